@@ -1,0 +1,104 @@
+/* Methods: one registry, one row a method, one file a method family.
+ *
+ * A method owns its state and advances it by steps of its own. The time loop reads `t` and `y`,
+ * may change `y` (a wall did) and then says so with dl_method_jumped. */
+#ifndef DRIFTLAB_METHOD_H
+#define DRIFTLAB_METHOD_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "driftlab/model.h"
+#include "driftlab/parameter.h"
+#include "driftlab/status.h"
+
+enum {
+    DL_SYMPLECTIC = 1 << 0,
+    DL_TIME_SYMMETRIC = 1 << 1,
+    DL_CONSERVES_ENERGY = 1 << 2,
+    DL_CONSERVES_MOMENTUM = 1 << 3, /* linear and angular, to roundoff */
+    DL_IMPLICIT = 1 << 4,
+    DL_ADAPTIVE = 1 << 5,        /* can choose its own step */
+    DL_FIXED_STEP = 1 << 6,      /* can keep a given step */
+    DL_NEEDS_JACOBIAN = 1 << 7,
+    DL_RESTARTS_EXACTLY = 1 << 8, /* stop and restart from y gives the same bits as going on */
+};
+
+typedef struct dl_method_stats {
+    unsigned long steps;                /* accepted */
+    unsigned long rejected;             /* attempts that were thrown away */
+    unsigned long nonlinear_iterations; /* of implicit methods */
+    unsigned long linear_iterations;    /* of Krylov solvers */
+    unsigned long factorisations;       /* of direct ones */
+} dl_method_stats;
+
+typedef struct dl_method dl_method;
+
+typedef struct dl_method_ops {
+    /* Sets method->data. The fields of `method` below are set. */
+    dl_status (*create)(dl_method *method, dl_error *error);
+    /* One accepted step of its own, from t to a time at or before t_stop; sets t and y to the
+     * method's own values there (never interpolated). On failure t and y are as before. A
+     * fixed-step method takes exactly one step, whatever t_stop. */
+    dl_status (*advance)(dl_method *method, double t_stop, dl_error *error);
+    /* Copies the state at t into y_out where `method->y` is not already it (leap-frog holds its
+     * velocities half a step behind). NULL: y is the state. Changes nothing, counts nothing. */
+    dl_status (*state)(dl_method *method, double *y_out, dl_error *error);
+    /* y was changed from outside: forget what depends on the past. */
+    dl_status (*jumped)(dl_method *method, dl_error *error);
+    void (*stats)(const dl_method *method, dl_method_stats *stats);
+    void (*destroy)(dl_method *method); /* frees data; data may be NULL or half built */
+} dl_method_ops;
+
+/* A row of the registry. */
+typedef struct dl_method_row {
+    const char *name;   /* "leapfrog", "composition-6-yoshida", "cvode-bdf" ... */
+    const char *family; /* "leap-frog", "composition", "ARKODE", "CVODE", "GSL", "conserving" */
+    const char *doc;    /* one line, with the source */
+    int order;          /* of convergence at fixed step; 0 where it varies */
+    unsigned flags;
+    dl_parameter_table options;
+    size_t options_size; /* of the structure the table describes */
+    const void *variant; /* the family's own: a coefficient table, a solver choice ... */
+    const dl_method_ops *ops;
+} dl_method_row;
+
+struct dl_method {
+    const dl_method_row *row;
+    dl_model *model;
+    void *options; /* of row->options_size bytes */
+    size_t n;      /* unknowns: y holds 2 n */
+    double step;   /* fixed step, or 0 where the method chooses; set by create */
+    double t;
+    double *y;
+    void *data;
+};
+
+size_t dl_method_count(void);
+const dl_method_row *dl_method_row_at(size_t index);
+
+/* Row of that name; DL_INPUT with the closest match where there is none. */
+dl_status dl_method_find(const char *name, const dl_method_row **row, dl_error *error);
+
+/* A fresh options structure with defaults; `step` and `end` come from the scene: an option named
+ * "step" defaults to scene->step where the row's fallback is NULL. Free with
+ * dl_method_options_free. */
+dl_status dl_method_options_create(const dl_method_row *row, const dl_scene *scene, void **options,
+                                   dl_error *error);
+/* Sets option `key`; DL_INPUT names the closest option where the method has no such one. */
+dl_status dl_method_options_set(const dl_method_row *row, void *options, const char *key,
+                                const char *value, dl_error *error);
+/* "step=0.01 order=4": every option, in table order. */
+void dl_method_options_format(const dl_method_row *row, const void *options, char *text,
+                              size_t size);
+void dl_method_options_free(const dl_method_row *row, void *options);
+
+/* `options` is copied. y0 [2 * unknowns]. */
+dl_status dl_method_create(const dl_method_row *row, dl_model *model, const void *options,
+                           const double *y0, dl_method **method, dl_error *error);
+dl_status dl_method_advance(dl_method *method, double t_stop, dl_error *error);
+dl_status dl_method_state(dl_method *method, double *y_out, dl_error *error);
+dl_status dl_method_jumped(dl_method *method, dl_error *error);
+void dl_method_stats_get(const dl_method *method, dl_method_stats *stats);
+void dl_method_destroy(dl_method *method);
+
+#endif

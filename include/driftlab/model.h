@@ -1,0 +1,131 @@
+/* The model: a scene posed as the second-order system  q'' = a(q)  for the particles that move.
+ *
+ * State: one block  y = q | v  of 2 * unknowns doubles; q = x|y|[z] of the moving particles, in
+ * the order of the scene (a pinned particle is a parameter, not an unknown). Only the terms that
+ * the scene has exist in the model: kernel, gravity and walls are chosen once, at creation.
+ *
+ *     a_i = (1/inertia_i) sum_j F_ij + g_i,     F_ij = coupling_i coupling_j F(r_ij) (r_i-r_j)/r_ij
+ *
+ * A model is used by one thread at a time and does not outlive its scene. */
+#ifndef DRIFTLAB_MODEL_H
+#define DRIFTLAB_MODEL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "driftlab/scene.h"
+#include "driftlab/status.h"
+
+/* Work done, counted where it is done. */
+typedef struct dl_counts {
+    unsigned long force;           /* accelerations, discrete ones included */
+    unsigned long jacobian;        /* matrices of d a / d q, discrete ones included */
+    unsigned long jacobian_vector; /* products with d a / d q */
+} dl_counts;
+
+typedef struct dl_energy {
+    double kinetic, pair, gravity, total;
+} dl_energy;
+
+/* Compressed sparse columns of an unknowns x unknowns matrix with a symmetric pattern. */
+typedef struct dl_sparsity {
+    size_t columns, nonzeros;
+    const long *column_start; /* [columns + 1] */
+    const long *row;          /* [nonzeros], ascending within a column */
+    unsigned long generation; /* changes whenever the pattern does */
+} dl_sparsity;
+
+typedef struct dl_kernel dl_kernel;
+typedef struct dl_model dl_model;
+
+struct dl_model {
+    const dl_scene *scene;
+    int dimension;
+    size_t particles; /* all */
+    size_t moving;    /* without the pinned ones */
+    size_t unknowns;  /* dimension * moving */
+    bool has_walls;
+    bool has_gravity;
+    bool has_pins;
+    dl_counts counts;
+    dl_kernel *kernel;
+    struct dl_model_private *priv;
+    /* The accelerations in use. Set at creation; a test may put failing ones in their place. */
+    dl_status (*acceleration)(dl_model *model, const double *q, double *a, dl_error *error);
+    dl_status (*discrete_acceleration)(dl_model *model, const double *q, const double *delta,
+                                       double *a, dl_error *error);
+};
+
+dl_status dl_model_create(const dl_scene *scene, dl_model **model, dl_error *error);
+void dl_model_free(dl_model *model);
+
+/* The scene's initial state, y [2 * unknowns]. */
+void dl_model_initial_state(const dl_model *model, double *y);
+
+/* Positions and velocities of all particles in scene order, y_all [2 * dimension * particles];
+ * pinned particles at their place with velocity 0. */
+void dl_model_expand(const dl_model *model, const double *y, double *y_all);
+
+/* a(q). DL_UNSTABLE, with the first particle's row, where a component is not finite (positions
+ * coincide or have blown up). Counted. */
+dl_status dl_model_acceleration(dl_model *model, const double *q, double *a, dl_error *error);
+
+/* y' = (v, a(q)); y and ydot [2 * unknowns] must not overlap. */
+dl_status dl_model_rhs(dl_model *model, const double *y, double *ydot, dl_error *error);
+
+/* Pattern of d a / d q that is valid at q (and, for the discrete gradient, from q to q + delta
+ * where delta is not NULL). It belongs to the model and holds until the next call; `generation`
+ * tells whether it has changed. */
+dl_status dl_model_sparsity(dl_model *model, const double *q, const double *delta,
+                            const dl_sparsity **sparsity, dl_error *error);
+
+/* values[k] = (d a_row / d q_column) for the pattern that dl_model_sparsity gave last. */
+dl_status dl_model_jacobian(dl_model *model, const double *q, double *values, dl_error *error);
+
+/* out = (d a / d q)(q) u. */
+dl_status dl_model_jacobian_vector(dl_model *model, const double *q, const double *u, double *out,
+                                   dl_error *error);
+
+/* The discrete gradient of TR171 (2.4): mean acceleration over the step from q to q + delta, whose
+ * work  sum inertia_i a_i . delta_i  is exactly minus the change of potential energy. */
+dl_status dl_model_discrete_acceleration(dl_model *model, const double *q, const double *delta,
+                                         double *a, dl_error *error);
+
+/* values[k] = d (discrete acceleration)_row / d delta_column, pattern as for the Jacobian. */
+dl_status dl_model_discrete_jacobian(dl_model *model, const double *q, const double *delta,
+                                     double *values, dl_error *error);
+
+/* Neighbour lists built so far, by observation too; 0 where the kernel has none. */
+unsigned long dl_model_list_builds(const dl_model *model);
+
+/* Observation: not counted as work of a method. */
+dl_status dl_model_energy(dl_model *model, const double *y, dl_energy *energy, dl_error *error);
+
+/* Kinetic energy (in the centre-of-mass frame where the scene is Galilean-invariant) plus the sum
+ * of the moduli of the potential terms. > 0; 1 where everything vanishes. */
+dl_status dl_model_energy_scale(dl_model *model, const double *y, double *scale, dl_error *error);
+
+/* Linear momentum [3] and angular momentum about the origin [3] (z alone in two dimensions). */
+void dl_model_momentum(const dl_model *model, const double *y, double linear[3], double angular[3]);
+
+/* Sum of the inertias of the moving particles. */
+double dl_model_inertia(const dl_model *model);
+
+/* Rate at which gravity changes the linear momentum, [3]. */
+void dl_model_gravity_force(const dl_model *model, double force[3]);
+
+/* Which momenta the exact flow conserves, walls and gravity's known impulse booked. */
+bool dl_model_conserves_linear_momentum(const dl_model *model);
+bool dl_model_conserves_angular_momentum(const dl_model *model);
+
+/* No walls, no pins: the solution looks the same from a frame in uniform motion. */
+bool dl_model_is_galilean_invariant(const dl_model *model);
+
+/* Wall rule `mirror` (TR323, section III, in the order of its program: high x, low x, then the
+ * next axis): reflects the position, multiplies every velocity component by 1 - damping and
+ * reverses the normal one. Returns the number of hits. Cheap where nothing is outside. */
+size_t dl_model_mirror(const dl_model *model, double *q, double *v);
+
+/* Whether any particle is outside the walls (so that dl_model_mirror would change the state). */
+bool dl_model_outside(const dl_model *model, const double *q);
+
+#endif

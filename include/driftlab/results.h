@@ -1,0 +1,132 @@
+/* A results file (HDF5): everything a report needs and nothing else is read by it.
+ *
+ * In memory the whole file is this structure. It is written by replacing the file: a complete new
+ * file beside it, synced, then renamed over the old one, so that a crash, a signal or a full disk
+ * leaves the last complete version.
+ *
+ * In the file (h5dump shows it), names are those of the structures' fields:
+ *
+ *     /                  attributes: format "driftlab results", version 1, study, title, kind,
+ *                        question, asked_error, asked_in
+ *     /facts/0000 ...    attributes: name, value
+ *     /scenes/0000 ...   attributes: name, source; scalar text datasets: explain, text
+ *     /references/0000   attributes: key, scene, description, error, samples, particles, dimension;
+ *                        datasets: time [samples], sample_error [samples],
+ *                        position [samples][dimension * particles]
+ *     /cases/0000 ...    attributes: the fields of dl_case and, under the same names, of its
+ *                        summary (status as its name); datasets: sample_time,
+ *                        sample_energy_error, sample_position_error [samples]
+ *
+ * Groups stand in the order of the arrays. Text is UTF-8 of fixed length, reals are IEEE doubles
+ * (NaN: does not apply), counts 64-bit unsigned integers. Lengths, times and energies are in the
+ * scene's units; cpu_* in seconds. */
+#ifndef DRIFTLAB_RESULTS_H
+#define DRIFTLAB_RESULTS_H
+
+#include <stddef.h>
+#include <stdio.h>
+#include "driftlab/run.h"
+#include "driftlab/status.h"
+
+typedef struct dl_case {
+    char *key;    /* the identity of the case: scene and hash of its content, method, every option,
+                     end, samples and hash of the reference */
+    char *scene;  /* name */
+    char *method; /* name of the registry's row */
+    char *family;
+    char *options; /* "step=0.01 ...": every option */
+    char *command; /* the `driftlab run` line that repeats it */
+    dl_run_summary summary;
+    unsigned repeats;
+    double cpu_median;         /* of the repeats; summary.cpu_seconds is the minimum */
+    double position_error;     /* RMS over particles at the end, against the reference; NaN: none */
+    double position_error_max; /* largest particle's at the end */
+    double position_error_ever; /* largest RMS at any sample */
+    size_t samples;
+    double *sample_time, *sample_energy_error, *sample_position_error; /* [samples] */
+    char *refused; /* why the position error is not to be trusted ("" where it is): a run that
+                      failed or is not what it claims, an error below the reference's own */
+} dl_case;
+
+typedef struct dl_reference {
+    char *key; /* its identity, as a case's */
+    char *scene;
+    char *description; /* methods and tolerances, in words */
+    double error;      /* RMS position difference of the two methods at the end; 0: exact */
+    size_t samples, particles;
+    int dimension;
+    double *time;         /* [samples] */
+    double *sample_error; /* [samples]: RMS difference of the two methods */
+    double *position;     /* [samples][dimension * particles] */
+} dl_reference;
+
+/* One named text of the provenance: "compiler", "machine", "sundials", "command" ... */
+typedef struct dl_fact {
+    char *name, *value;
+} dl_fact;
+
+typedef struct dl_scene_record {
+    char *name, *source, *explain; /* `explain`: what driftlab explain prints */
+    char *text;                    /* the scene file */
+} dl_scene_record;
+
+typedef struct dl_results {
+    char *study, *title, *kind, *question;
+    double asked_error; /* of `asked_in` */
+    char *asked_in;     /* "position" or "energy" */
+    size_t facts;
+    dl_fact *fact;
+    size_t scenes;
+    dl_scene_record *scene;
+    size_t references;
+    dl_reference *reference;
+    size_t cases;
+    dl_case *cased;
+} dl_results;
+
+/* *results is freshly allocated (empty strings, no arrays). */
+dl_status dl_results_create(dl_results **results, dl_error *error);
+/* DL_IO where the file cannot be opened; DL_INPUT where it is no HDF5 file, damaged, or lacks
+ * something of the schema above. *results is NULL then. */
+dl_status dl_results_read(const char *path, dl_results **results, dl_error *error);
+/* DL_IO where it cannot be written: the file at `path` is then as it was before. */
+dl_status dl_results_write(const dl_results *results, const char *path, dl_error *error);
+void dl_results_free(dl_results *results);
+
+/* The case with that key or NULL. */
+const dl_case *dl_results_find(const dl_results *results, const char *key);
+/* Appends; takes over what *added owns (on failure the caller keeps it). */
+dl_status dl_results_add_case(dl_results *results, const dl_case *added, dl_error *error);
+dl_status dl_results_add_reference(dl_results *results, const dl_reference *added, dl_error *error);
+dl_status dl_results_add_scene(dl_results *results, const dl_scene_record *added, dl_error *error);
+/* Sets the fact of that name, or appends it. */
+dl_status dl_results_add_fact(dl_results *results, const char *name, const char *value,
+                              dl_error *error);
+/* Its value, or NULL. */
+const char *dl_results_fact(const dl_results *results, const char *name);
+/* The reference of that scene, or NULL. */
+const dl_reference *dl_results_reference(const dl_results *results, const char *scene);
+
+/* Free what the structure owns, not the structure. */
+void dl_case_release(dl_case *cased);
+void dl_reference_release(dl_reference *reference);
+
+/* The cheapest case (by CPU seconds) of that scene whose error in `asked_in` is at most `error`;
+ * NULL where none reaches it. Energy errors are relative to the scene's energy scale. Runs that
+ * failed do not count; where a position error is too small for the reference, the reference's own
+ * error is added to it. */
+const dl_case *dl_results_cheapest(const dl_results *results, const char *scene,
+                                   const char *asked_in, double error);
+
+/* The error of a case in "position" (RMS at the end) or "energy" (largest, relative to the energy
+ * scale); NaN where it has none. */
+double dl_case_error(const dl_case *cased, const char *asked_in);
+
+/* "cheapest for a position error of 1e-06 on stream: METHOD with OPTIONS (0.012 CPU s, 1400 force
+ * evaluations)", or that nothing reached it and which came closest. */
+void dl_results_answer(const dl_results *results, const char *scene, char *text, size_t size);
+
+/* The table of all cases and the answer for every scene, as text. */
+void dl_results_print(const dl_results *results, FILE *out);
+
+#endif

@@ -1,0 +1,90 @@
+/* A scene: one validated, immutable particle system as an initial-value problem.
+ *
+ * Units are the scene's own (CGS in TR323, dimensionless elsewhere); names below give dimensions.
+ * Arrays hold one component after the other: x of every particle, then y, then z in three
+ * dimensions. Particles keep the order of the file. */
+#ifndef DRIFTLAB_SCENE_H
+#define DRIFTLAB_SCENE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+#include "driftlab/status.h"
+
+#define DL_MAX_TERMS 4
+#define DL_MAX_PIECES 4
+
+/* One power of the radial force: coefficient * r^(-power). */
+typedef struct dl_term {
+    double coefficient;
+    double power;
+} dl_term;
+
+/* Force on (previous until, until]; `until` is INFINITY where the piece never ends. */
+typedef struct dl_piece {
+    double until;
+    int terms;
+    dl_term term[DL_MAX_TERMS];
+} dl_piece;
+
+/* Radial force of the pair (i, j), positive where it repels:
+ *     F(r) = coupling_i coupling_j sum_s coefficient_s r^(-power_s)
+ * on the piece r lies in and zero beyond the last one: (3.5) of TR323 with its cutoff r0, (2.5) of
+ * TR299 with its switch at D, the continuous limit of (2.4) of TR171. No pieces: no pair force. */
+typedef struct dl_pair_law {
+    int pieces;
+    dl_piece piece[DL_MAX_PIECES];
+} dl_pair_law;
+
+typedef enum dl_wall_rule { DL_MIRROR } dl_wall_rule;
+
+/* Planes normal to the axes. low/high are -INFINITY/INFINITY where there is no wall. */
+typedef struct dl_walls {
+    bool present;
+    double low[3], high[3];
+    double damping;        /* d: both velocity components are multiplied by 1 - d at a hit */
+    double zero_vx_below;  /* |v_x| below this becomes 0 after a hit (TR323's program: 1e-10) */
+    dl_wall_rule rule;
+} dl_walls;
+
+typedef enum dl_kernel_choice {
+    DL_KERNEL_AUTO,
+    DL_KERNEL_REFERENCE,
+    DL_KERNEL_ALL_PAIRS,
+    DL_KERNEL_NEIGHBOUR_LIST,
+} dl_kernel_choice;
+
+typedef struct dl_scene {
+    char *name, *source, *file; /* `file`: path it was read from */
+    char *text;                 /* the scene file's text, for the results' metadata */
+    int dimension;              /* 2 or 3 */
+    size_t particles;
+    double *position, *velocity; /* [dimension * particles] */
+    double *inertia;             /* [particles], > 0 */
+    double *coupling;            /* [particles], >= 0; all 1 where the law has no pieces */
+    bool *feels_gravity;         /* [particles] */
+    bool *pinned;                /* [particles] */
+    dl_pair_law law;
+    double gravity[3]; /* uniform acceleration */
+    dl_walls walls;
+    double step;   /* default Delta t of fixed-step methods */
+    double end;    /* integration runs from t = 0 to here */
+    double sample; /* time between samples; 0: chosen by the run */
+    dl_kernel_choice kernel;
+    double skin; /* of the neighbour list, a length; 0: chosen */
+} dl_scene;
+
+/* Reads and validates a scene. Paths in it are relative to the scene's own folder. On failure
+ * *scene is NULL and the message names file, line, key, value and what was expected (DL_INPUT), or
+ * the rows that cause it. */
+dl_status dl_scene_read(const char *path, dl_scene **scene, dl_error *error);
+
+void dl_scene_free(dl_scene *scene);
+
+/* `driftlab help scene`: every key, from the tables the reader uses. */
+void dl_scene_help(FILE *out);
+
+/* Whole number of steps in `time`, or 0 where it is not one to 1e-9 relative. */
+size_t dl_whole_steps(double time, double step);
+
+#endif
