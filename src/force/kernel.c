@@ -1,0 +1,58 @@
+#include "force/kernel.h"
+
+#include <stdlib.h>
+
+/* Below this a list costs more than it saves: measured on the settled fluid of TR323. */
+enum { LIST_FROM = 64 };
+
+static const dl_kernel_ops *choose(const dl_pair_problem *problem, dl_kernel_choice choice,
+                                   const char **reason) {
+    static const dl_kernel_ops *const asked[] = {
+        [DL_KERNEL_REFERENCE] = &dl_kernel_reference,
+        [DL_KERNEL_ALL_PAIRS] = &dl_kernel_all_pairs,
+        [DL_KERNEL_NEIGHBOUR_LIST] = &dl_kernel_neighbour_list,
+    };
+    *reason = "the scene asks for it";
+    if (choice != DL_KERNEL_AUTO)
+        return asked[choice];
+    if (!problem->law->cut) {
+        *reason = "the pair law has no cutoff";
+        return &dl_kernel_all_pairs;
+    }
+    if (problem->particles < LIST_FROM) {
+        *reason = "few particles";
+        return &dl_kernel_all_pairs;
+    }
+    *reason = "the pair law ends at a cutoff and the particles are many";
+    return &dl_kernel_neighbour_list;
+}
+
+dl_status dl_kernel_create(const dl_pair_problem *problem, dl_kernel_choice choice,
+                           dl_kernel **kernel, dl_error *error) {
+    *kernel = NULL;
+    if (choice == DL_KERNEL_NEIGHBOUR_LIST && !problem->law->cut)
+        return dl_fail(error, DL_INPUT,
+                       "kernel: found neighbour-list, expected all-pairs or reference: the pair "
+                       "law has no cutoff");
+    dl_kernel *made = calloc(1, sizeof *made);
+    if (!made)
+        return dl_fail_memory(error, "a force kernel");
+    made->problem = *problem;
+    made->ops = choose(problem, choice, &made->reason);
+    made->vector = dl_vector_best();
+    made->loops = made->vector->loops_for(problem->law);
+    dl_status status = made->ops->create(made, error);
+    if (status != DL_OK) {
+        dl_kernel_destroy(made);
+        return status;
+    }
+    *kernel = made;
+    return DL_OK;
+}
+
+void dl_kernel_destroy(dl_kernel *kernel) {
+    if (!kernel)
+        return;
+    kernel->ops->destroy(kernel);
+    free(kernel);
+}

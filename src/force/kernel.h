@@ -1,0 +1,59 @@
+/* Force kernels: pair forces of all particles, and the candidate pairs that everything slower
+ * (potential, Jacobian) walks over. One kernel is chosen when the model is made. */
+#ifndef DL_FORCE_KERNEL_H
+#define DL_FORCE_KERNEL_H
+
+#include <stddef.h>
+#include "driftlab/model.h"
+#include "force/law.h"
+#include "force/vector_ops.h"
+
+/* What a kernel needs to know; outlives the kernel. Moving particles come first. */
+typedef struct dl_pair_problem {
+    int dimension;
+    size_t particles, moving;
+    const double *coupling; /* [particles + DL_VECTOR_PAD], zeros behind; NULL: all 1 */
+    const dl_law *law;
+    double skin; /* 0: chosen */
+} dl_pair_problem;
+
+/* Candidate pairs (i, j), i < moving, i < j: j = neighbour[start[i]] ... of row i, or every j > i
+ * where neighbour is NULL. */
+typedef struct dl_pair_rows {
+    const int *start, *neighbour;
+    unsigned long generation; /* changes with the rows */
+} dl_pair_rows;
+
+typedef struct dl_kernel_ops {
+    const char *name, *doc;
+    dl_status (*create)(dl_kernel *kernel, dl_error *error);
+    /* f = pair forces at x; blocks x|y|[z] of dimension * particles doubles, f overwritten. */
+    dl_status (*force)(dl_kernel *kernel, const double *x, double *f, dl_error *error);
+    /* f = pairs' discrete forces over the step from x to x + delta. */
+    dl_status (*discrete)(dl_kernel *kernel, const double *x, const double *delta, double *f,
+                          dl_error *error);
+    /* Pairs that can act at x, and at x + delta where delta is not NULL. */
+    dl_status (*rows)(dl_kernel *kernel, const double *x, const double *delta, dl_pair_rows *rows,
+                      dl_error *error);
+    void (*destroy)(dl_kernel *kernel);
+} dl_kernel_ops;
+
+struct dl_kernel {
+    const dl_kernel_ops *ops;
+    dl_pair_problem problem;
+    const dl_vector_ops *vector;
+    const dl_law_loops *loops;
+    const char *reason; /* why it was chosen */
+    unsigned long list_builds;
+    void *data;
+};
+
+extern const dl_kernel_ops dl_kernel_reference, dl_kernel_all_pairs, dl_kernel_neighbour_list;
+
+/* Chooses by the scene: what it asks for, or else a list where the law ends and the particles are
+ * many, all pairs otherwise. DL_INPUT for a list without a cutoff. */
+dl_status dl_kernel_create(const dl_pair_problem *problem, dl_kernel_choice choice,
+                           dl_kernel **kernel, dl_error *error);
+void dl_kernel_destroy(dl_kernel *kernel);
+
+#endif

@@ -1,0 +1,99 @@
+/* A vector of doubles as wide as the instruction set has it (GNU vector extension). */
+#ifndef DL_FORCE_VECTOR_VECTOR_H
+#define DL_FORCE_VECTOR_VECTOR_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+#include "force/vector_ops.h"
+
+#if defined(DL_ISA_avx512)
+#include <immintrin.h>
+#define DL_LANES 8
+#elif defined(DL_ISA_avx2)
+#include <immintrin.h>
+#define DL_LANES 4
+#else
+#define DL_LANES 2
+#endif
+
+typedef double vector __attribute__((vector_size(8 * DL_LANES)));
+typedef int64_t lane_mask __attribute__((vector_size(8 * DL_LANES)));
+
+/* Every name of this folder is compiled once an instruction set. */
+#define DL_PASTE2(a, b)  a##_##b
+#define DL_PASTE(a, b)   DL_PASTE2(a, b)
+#define DL_VARIANT(name) DL_PASTE(name, DL_ISA)
+
+#define DL_INLINE static inline __attribute__((always_inline, unused))
+
+DL_INLINE vector load(const double *from) {
+    vector v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+
+DL_INLINE void store(double *to, vector v) {
+    memcpy(to, &v, sizeof v);
+}
+
+DL_INLINE vector splat(double value) {
+    return value - (vector){0};
+}
+
+DL_INLINE vector choose(lane_mask mask, vector yes, vector no) {
+    return (vector)((mask & (lane_mask)yes) | (~mask & (lane_mask)no));
+}
+
+DL_INLINE double sum_lanes(vector v) {
+    double sum = 0;
+    for (int k = 0; k < DL_LANES; k++)
+        sum += v[k];
+    return sum;
+}
+
+DL_INLINE bool any_lane(lane_mask mask) {
+    int64_t any = 0;
+    for (int k = 0; k < DL_LANES; k++)
+        any |= mask[k];
+    return any != 0;
+}
+
+/* 1/sqrt(s) to full double accuracy. AVX-512 has an estimate with 14 bits; a step of the iteration
+ * y += y (1 - s y^2)(1/2 + 3/8 (1 - s y^2)) takes it to 42 and a Newton step to 53: far cheaper
+ * than a square root and a division. */
+DL_INLINE vector inverse_sqrt(vector s) {
+#if defined(DL_ISA_avx512)
+    vector y = (vector)_mm512_rsqrt14_pd((__m512d)s);
+    vector e = 1.0 - s * y * y;
+    y += y * e * (0.5 + 0.375 * e);
+    e = 1.0 - s * y * y;
+    return y + 0.5 * y * e;
+#elif defined(DL_ISA_avx2)
+    return 1.0 / (vector)_mm256_sqrt_pd((__m256d)s);
+#else
+    vector root;
+    for (int k = 0; k < DL_LANES; k++)
+        root[k] = sqrt(s[k]);
+    return 1.0 / root;
+#endif
+}
+
+/* Whole vectors that hold `count` doubles. */
+DL_INLINE size_t padded(size_t count) {
+    return (count + DL_LANES - 1) / DL_LANES * DL_LANES;
+}
+
+/* Parts of the family for one instruction set. */
+const dl_law_loops *DL_VARIANT(dl_loops_for)(const dl_law *law);
+void DL_VARIANT(dl_all_pairs)(const dl_pair_arrays *arrays);
+void DL_VARIANT(dl_all_pairs_discrete)(const dl_pair_arrays *arrays);
+void DL_VARIANT(dl_list)(const dl_pair_arrays *arrays, const dl_neighbours *neighbours);
+void DL_VARIANT(dl_list_discrete)(const dl_pair_arrays *arrays, const dl_neighbours *neighbours);
+bool DL_VARIANT(dl_moved)(const double *const *x, const double *const *origin, int dimension,
+                          size_t count, double limit);
+bool DL_VARIANT(dl_finish)(const double *f, const double *scale, double g, const double *mask,
+                           double *a, size_t count);
+extern const dl_vector_ops DL_VARIANT(dl_vector_ops);
+
+#endif

@@ -1,0 +1,70 @@
+/* The pair loops, compiled once for each instruction set; dl_vector_best picks at run time. */
+#ifndef DL_FORCE_VECTOR_OPS_H
+#define DL_FORCE_VECTOR_OPS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "force/law.h"
+
+/* Lanes of the widest variant: arrays that the loops may read or write past their end are longer
+ * by this many doubles. */
+#define DL_VECTOR_PAD 8
+
+/* F(r)/r for `count` squared distances, rounded up to whole vectors: s and f have
+ * DL_VECTOR_PAD doubles of room behind them and s has harmless values (1) in it. */
+typedef void dl_law_loop(const dl_law *law, const double *s, double *f, size_t count);
+
+/* G of dl_law_discrete for `count` pairs, in the same way. */
+typedef void dl_discrete_loop(const dl_law *law, const double *s0, const double *s1,
+                              const double *ds, double *g, size_t count);
+
+/* The law's loops: those specialised for its powers where there are such. */
+typedef struct dl_law_loops {
+    const char *name;
+    dl_law_loop *force;
+    dl_discrete_loop *discrete;
+} dl_law_loops;
+
+/* Positions and forces of the particles, one padded array a component. */
+typedef struct dl_pair_arrays {
+    int dimension;
+    size_t particles, moving; /* pairs (i, j): i < moving, i < j */
+    const double *coupling;   /* [particles + pad], NULL: all 1 */
+    const double *x[3];       /* positions */
+    const double *delta[3];   /* displacements over a step; discrete loops only */
+    double *f[3];             /* forces, added to */
+    double *buffer;           /* dl_row_buffer_size(particles) doubles */
+    const dl_law *law;
+    const dl_law_loops *loops;
+} dl_pair_arrays;
+
+/* Neighbour rows: j of row i in neighbour[start[i]] ... neighbour[start[i + 1] - 1], j > i. */
+typedef struct dl_neighbours {
+    const int *start, *neighbour;
+} dl_neighbours;
+
+typedef struct dl_vector_ops {
+    const char *name; /* "plain", "avx2", "avx512" */
+    const dl_law_loops *(*loops_for)(const dl_law *law);
+    void (*all_pairs)(const dl_pair_arrays *arrays);
+    void (*all_pairs_discrete)(const dl_pair_arrays *arrays);
+    void (*list)(const dl_pair_arrays *arrays, const dl_neighbours *neighbours);
+    void (*list_discrete)(const dl_pair_arrays *arrays, const dl_neighbours *neighbours);
+    /* Whether a component of x is farther than `limit` from origin's (or not a number). */
+    bool (*moved)(const double *const *x, const double *const *origin, int dimension, size_t count,
+                  double limit);
+    /* a = f * scale[i] (scale NULL: 1) + g * mask[i] (mask NULL: 1); false where a component is
+     * not finite. f and a may be the same array. */
+    bool (*finish)(const double *f, const double *scale, double g, const double *mask, double *a,
+                   size_t count);
+} dl_vector_ops;
+
+/* Doubles of scratch that the row loops need. */
+size_t dl_row_buffer_size(size_t particles);
+
+/* The widest variant this processor has, or the one forced by dl_vector_force. */
+const dl_vector_ops *dl_vector_best(void);
+/* For tests: "plain", "avx2", "avx512", or NULL for the widest. False where it cannot run here. */
+bool dl_vector_force(const char *name);
+
+#endif

@@ -1,0 +1,48 @@
+/* The inside of a model. */
+#ifndef DL_MODEL_PRIVATE_H
+#define DL_MODEL_PRIVATE_H
+
+#include "driftlab/model.h"
+#include "force/kernel.h"
+#include "force/law.h"
+
+struct dl_model_private {
+    dl_law law;
+    size_t *order;    /* [particles]: row in the scene of particle k here; moving ones first */
+    double *coupling; /* [particles + pad], zeros behind; NULL: all 1 */
+    double *inertia;  /* [moving] */
+    double *inverse_inertia; /* [moving]; NULL: all 1 */
+    double *gravity_mask;    /* [moving]: 1 or 0; NULL: all feel gravity */
+    double *place;           /* [dimension * particles]: pinned ones filled in; NULL: no pins */
+    double *shift;           /* the same for displacements, 0 for pinned ones; NULL: no pins */
+    double *pair_force; /* [dimension * particles]; NULL: no pins, forces go to the caller's a */
+    const dl_vector_ops *vector;
+    /* Jacobian's pattern, jacobian.c */
+    dl_sparsity sparsity;
+    long *column_start, *row;
+    size_t row_capacity;
+    unsigned long rows_generation;
+    dl_pair_rows rows;
+};
+
+/* The positions of all particles: q itself where nothing is pinned. */
+const double *dl_model_places(dl_model *model, const double *q);
+/* Displacements of all particles: delta itself where nothing is pinned. */
+const double *dl_model_shifts(dl_model *model, const double *delta);
+
+/* Walks over the candidate pairs that act at x (and x + delta). */
+typedef struct dl_pair {
+    size_t i, j;
+    double coupling;          /* coupling_i coupling_j */
+    double d[3], s;           /* separation r_i - r_j and its square */
+    double change[3], s1, ds; /* with a delta: change of d, square at the end, s1 - s */
+} dl_pair;
+
+typedef void dl_pair_visitor(const dl_model *model, const dl_pair *pair, void *context);
+
+/* Calls `visit` for every pair i < moving, i < j among the kernel's rows. x, delta over all
+ * particles; delta may be NULL. */
+dl_status dl_model_visit_pairs(dl_model *model, const double *x, const double *delta,
+                               dl_pair_visitor *visit, void *context, dl_error *error);
+
+#endif
