@@ -110,6 +110,9 @@ void dl_model_momentum(const dl_model *model, const double *y, double linear[3],
 /* Sum of the inertias of the moving particles. */
 double dl_model_inertia(const dl_model *model);
 
+/* Sum over the moving particles of  inertia_i a_i . b_i;  a, b [unknowns]. */
+double dl_model_work(const dl_model *model, const double *a, const double *b);
+
 /* Rate at which gravity changes the linear momentum, [3]. */
 void dl_model_gravity_force(const dl_model *model, double force[3]);
 

@@ -29,6 +29,16 @@ double dl_model_inertia(const dl_model *model) {
     return sum;
 }
 
+double dl_model_work(const dl_model *model, const double *a, const double *b) {
+    long double sum = 0;
+    for (size_t c = 0; c < (size_t)model->dimension; c++)
+        for (size_t k = 0; k < model->moving; k++) {
+            size_t i = c * model->moving + k;
+            sum += (long double)model->priv->inertia[k] * a[i] * b[i];
+        }
+    return (double)sum;
+}
+
 void dl_model_gravity_force(const dl_model *model, double force[3]) {
     double mass = 0;
     for (size_t k = 0; model->has_gravity && k < model->moving; k++)
