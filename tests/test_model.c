@@ -44,7 +44,7 @@ static dl_scene *uneven_scene(void) {
     for (int c = 0; c < 3; c++)
         scene->velocity[(size_t)c * 13 + 4] = 0;
     scene->gravity[2] = -1;
-    scene->feels_gravity[2] = scene->feels_gravity[7] = true;
+    scene->feels_gravity[2] = scene->feels_gravity[12] = true;
     return scene;
 }
 

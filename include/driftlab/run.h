@@ -15,19 +15,19 @@ typedef struct dl_sample {
     unsigned long step; /* steps the method has taken */
     double time;
     dl_energy energy;
-    double ledger;                  /* energy that walls have taken so far */
-    double energy_error;            /* total + ledger - total at the start */
-    double momentum_error;          /* |P - P0 - gravity's impulse - the walls' impulse|; NaN: n/a */
-    double angular_momentum_error;  /* NaN where the scene does not conserve it */
-    const double *y_all;            /* [2 * dimension * particles], scene order; for this call */
+    double ledger;                 /* energy that walls have taken so far */
+    double energy_error;           /* total + ledger - total at the start */
+    double momentum_error;         /* |P - P0 - gravity's impulse - the walls' impulse|; NaN: n/a */
+    double angular_momentum_error; /* NaN where the scene does not conserve it */
+    const double *y_all;           /* [2 * dimension * particles], scene order; for this call */
 } dl_sample;
 
 typedef struct dl_run_options {
-    double end;           /* 0: the scene's */
-    double sample;        /* 0: the scene's, or else chosen: at most 50 intervals of whole steps */
-    double time_limit;    /* CPU seconds, 0: none -> DL_TIMEOUT */
-    bool observe;         /* false: integrate only; no samples, ledger or errors (for timing) */
-    double energy_bound;  /* |energy_error| / scale above which the run is DL_UNSTABLE; 0: 1e3 */
+    double end;          /* 0: the scene's */
+    double sample;       /* 0: the scene's, or else chosen: at most 50 intervals of whole steps */
+    double time_limit;   /* CPU seconds, observation included; 0: none -> DL_TIMEOUT */
+    bool observe;        /* false: integrate only; no samples, ledger or errors (for timing) */
+    double energy_bound; /* |energy_error| / scale above which the run is DL_UNSTABLE; 0: 1e3 */
     /* Called at each sample; a failure ends the run with it. May be NULL. */
     dl_status (*on_sample)(void *context, const dl_sample *sample, dl_error *error);
     void *context;

@@ -1,0 +1,57 @@
+/* Commands of the program: one row and one file each.
+ *
+ * What a command takes is a parameter table, as for scenes and methods: `--NAME VALUE` for every
+ * row, `--NAME` alone for a DL_FLAG. A row's `unit` is the word that stands for the value in
+ * `--help`. */
+#ifndef DL_CLI_COMMAND_H
+#define DL_CLI_COMMAND_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "driftlab/parameter.h"
+
+typedef enum cli_exit {
+    CLI_OK = 0,
+    CLI_FAILED = 1,    /* the run's status is not ok */
+    CLI_BAD_INPUT = 2, /* nothing has been written */
+    CLI_IO = 3,
+    CLI_INTERRUPTED = 130, /* as a shell reports SIGINT */
+} cli_exit;
+
+#define CLI_MAX_WORDS    4
+#define CLI_MAX_SETTINGS 64
+
+/* What a command line said. */
+typedef struct cli_input {
+    void *values;                    /* the structure that the command's table describes */
+    const char *word[CLI_MAX_WORDS]; /* arguments that are no options; NULL where not given */
+    size_t words;
+    char *setting[CLI_MAX_SETTINGS]; /* of --set, "key=value" */
+    size_t settings;
+    const char *line; /* the whole command line, for the metadata of results */
+} cli_input;
+
+typedef struct cli_command {
+    const char *name;
+    const char *arguments; /* "SCENE", after the name in the usage line */
+    const char *summary;   /* one line */
+    const char *details;   /* more for --help; may be NULL */
+    size_t least_words, most_words;
+    bool settings; /* takes --set KEY=VALUE, again and again */
+    dl_parameter_table options;
+    size_t values_size;
+    cli_exit (*run)(const cli_input *input);
+} cli_command;
+
+extern const cli_command cli_command_run, cli_command_study, cli_command_report,
+    cli_command_explain, cli_command_list, cli_command_help;
+
+/* All of them, NULL-terminated. */
+extern const cli_command *const cli_commands[];
+
+const cli_command *cli_command_find(const char *name);
+
+#define CLI_TABLE(array)                                                                           \
+    { .rows = (array), .count = sizeof(array) / sizeof *(array) }
+
+#endif

@@ -1,0 +1,230 @@
+/* driftlab run: one scene, one method, one summary. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/command.h"
+#include "cli/outcome.h"
+#include "cli/summary.h"
+#include "cli/terminal.h"
+#include "driftlab/run.h"
+#include "driftlab/trajectory.h"
+
+typedef struct run_values {
+    char *method, *dt, *rtol, *start, *out;
+    double t_end, sample, time_limit;
+    bool json;
+} run_values;
+
+static const dl_parameter options[] = {
+    {.name = "method",
+     .kind = DL_TEXT,
+     .offset = offsetof(run_values, method),
+     .unit = "METHOD",
+     .doc = "method, required (driftlab list methods)"},
+    {.name = "dt",
+     .kind = DL_TEXT,
+     .offset = offsetof(run_values, dt),
+     .unit = "X",
+     .doc = "fixed step; the same as --set step=X"},
+    {.name = "rtol",
+     .kind = DL_TEXT,
+     .offset = offsetof(run_values, rtol),
+     .unit = "X",
+     .doc = "relative tolerance; the same as --set rtol=X"},
+    {.name = "t-end",
+     .kind = DL_REAL,
+     .offset = offsetof(run_values, t_end),
+     .unit = "T",
+     .minimum = 0,
+     .maximum = INFINITY,
+     .above_minimum = true,
+     .doc = "end of the run (default: the scene's)"},
+    {.name = "sample",
+     .kind = DL_REAL,
+     .offset = offsetof(run_values, sample),
+     .unit = "X",
+     .minimum = 0,
+     .maximum = INFINITY,
+     .above_minimum = true,
+     .doc = "time between samples (default: the scene's, or at most 50 samples)"},
+    {.name = "start",
+     .kind = DL_TEXT,
+     .offset = offsetof(run_values, start),
+     .unit = "FILE.h5",
+     .doc = "start from the last frame of this H5MD trajectory"},
+    {.name = "out",
+     .kind = DL_TEXT,
+     .offset = offsetof(run_values, out),
+     .unit = "FILE.h5",
+     .doc = "write an H5MD trajectory"},
+    {.name = "time-limit",
+     .kind = DL_REAL,
+     .offset = offsetof(run_values, time_limit),
+     .unit = "S",
+     .minimum = 0,
+     .maximum = INFINITY,
+     .above_minimum = true,
+     .doc = "stop after S seconds of CPU time (default: none)"},
+    {.name = "json",
+     .kind = DL_FLAG,
+     .offset = offsetof(run_values, json),
+     .fallback = "false",
+     .doc = "print one JSON object instead of a table"},
+};
+
+typedef struct job {
+    dl_scene *scene;
+    const dl_method_row *row;
+    void *options;
+    char options_text[1024];
+    const char *out; /* NULL: no trajectory */
+    dl_trajectory *trajectory;
+} job;
+
+static dl_status set_method_option(job *work, const char *flag, const char *key, const char *value,
+                                   dl_error *error) {
+    dl_error reason = {""};
+    const dl_status status = dl_method_options_set(work->row, work->options, key, value, &reason);
+    return status ? dl_fail(error, status, "%s: %s", flag, reason.message) : DL_OK;
+}
+
+static dl_status apply_setting(job *work, const char *setting, dl_error *error) {
+    char key[64];
+    const size_t length = strcspn(setting, "=");
+    if (length >= sizeof key)
+        return dl_fail(error, DL_INPUT, "--set: found \"%s\", expected KEY=VALUE", setting);
+    memcpy(key, setting, length);
+    key[length] = '\0';
+    return set_method_option(work, "--set", key, setting + length + 1, error);
+}
+
+static dl_status prepare_method(job *work, const cli_input *input, dl_error *error) {
+    const run_values *values = input->values;
+    if (!values->method)
+        return dl_fail(error, DL_INPUT,
+                       "--method: found none, expected a method's name (driftlab list methods)");
+    dl_status status = dl_method_find(values->method, &work->row, error);
+    if (!status)
+        status = dl_method_options_create(work->row, work->scene, &work->options, error);
+    if (!status && values->dt)
+        status = set_method_option(work, "--dt", "step", values->dt, error);
+    if (!status && values->rtol)
+        status = set_method_option(work, "--rtol", "rtol", values->rtol, error);
+    for (size_t i = 0; !status && i < input->settings; i++)
+        status = apply_setting(work, input->setting[i], error);
+    if (!status)
+        dl_method_options_format(work->row, work->options, work->options_text,
+                                 sizeof work->options_text);
+    return status;
+}
+
+/* The scene from where the trajectory in `path` ended. */
+static dl_status start_from(job *work, const char *path, dl_error *error) {
+    double *y_all = NULL, time = 0;
+    dl_scene *restarted = NULL;
+    dl_status status = dl_trajectory_read_last(path, work->scene, &y_all, &time, error);
+    if (!status)
+        status = dl_scene_restart(work->scene, y_all, &restarted, error);
+    free(y_all);
+    if (status)
+        return status;
+    dl_scene_free(work->scene);
+    work->scene = restarted;
+    return DL_OK;
+}
+
+/* The trajectory is created with its first frame: a run that is refused leaves no file. */
+static dl_status write_frame(void *context, const dl_sample *sample, dl_error *error) {
+    job *work = context;
+    if (!work->trajectory) {
+        const dl_status status = dl_trajectory_create(work->out, work->scene, work->row->name,
+                                                      work->options_text, &work->trajectory, error);
+        if (status)
+            return status;
+    }
+    return dl_trajectory_append(work->trajectory, sample, error);
+}
+
+static void show_progress(void *context, double fraction, double seconds) {
+    (void)context;
+    static double shown = -1;
+    char left[32], line[80];
+    if (seconds - shown < 0.2 || fraction <= 0)
+        return;
+    shown = seconds;
+    cli_format_seconds(seconds * (1 - fraction) / fraction, left, sizeof left);
+    snprintf(line, sizeof line, "%3.0f %%, %s left", 100 * fraction, left);
+    cli_show_progress(line);
+}
+
+static dl_status integrate(job *work, const run_values *values, dl_run_summary *summary,
+                           dl_error *error) {
+    dl_run_options how;
+    dl_run_options_default(&how);
+    how.end = values->t_end;
+    how.sample = values->sample;
+    how.time_limit = values->time_limit;
+    how.interrupt = cli_catch_signals();
+    if (work->out) {
+        how.on_sample = write_frame;
+        how.context = work;
+    }
+    const bool progress = cli_shows_progress();
+    if (progress)
+        how.on_progress = show_progress;
+    dl_status status = dl_run(work->scene, work->row, work->options, &how, summary, NULL, error);
+    if (progress)
+        cli_show_progress(NULL);
+    if (work->trajectory) {
+        dl_error reason = {""};
+        const dl_status closed = dl_trajectory_close(work->trajectory, &reason);
+        work->trajectory = NULL;
+        if (closed && !status && !summary->status) {
+            summary->status = closed;
+            memcpy(summary->message, reason.message, sizeof summary->message);
+        }
+    }
+    return status;
+}
+
+static cli_exit run(const cli_input *input) {
+    const run_values *values = input->values;
+    job work = {.out = values->out};
+    dl_run_summary summary;
+    dl_error error = {""};
+    dl_status status = dl_scene_read(input->word[0], &work.scene, &error);
+    if (!status)
+        status = prepare_method(&work, input, &error);
+    if (!status && values->start)
+        status = start_from(&work, values->start, &error);
+    if (!status)
+        status = integrate(&work, values, &summary, &error);
+    /* A trajectory that could not even be begun leaves nothing to tell. */
+    const bool ran = !status && (summary.status != DL_IO || summary.steps);
+    if (ran) {
+        if (values->json)
+            status = cli_summary_json(work.scene, work.row, work.options, &summary, stdout, &error);
+        else
+            cli_summary_table(work.scene, work.row, work.options_text, &summary, stdout);
+    }
+    if (!status && summary.status)
+        status = dl_fail(&error, summary.status, "%s", summary.message);
+    if (work.row)
+        dl_method_options_free(work.row, work.options);
+    dl_scene_free(work.scene);
+    return cli_finish(status, &error);
+}
+
+const cli_command cli_command_run = {
+    .name = "run",
+    .arguments = "SCENE",
+    .summary = "integrate a scene with one method",
+    .least_words = 1,
+    .most_words = 1,
+    .settings = true,
+    .options = CLI_TABLE(options),
+    .values_size = sizeof(run_values),
+    .run = run,
+};

@@ -1,0 +1,80 @@
+#include "cli/help.h"
+
+#include <string.h>
+
+const cli_flag_word cli_flag_words[] = {
+    {DL_FIXED_STEP, "fixed step"},
+    {DL_ADAPTIVE, "adaptive"},
+    {DL_IMPLICIT, "implicit"},
+    {DL_SYMPLECTIC, "symplectic"},
+    {DL_TIME_SYMMETRIC, "time-symmetric"},
+    {DL_CONSERVES_ENERGY, "conserves energy"},
+    {DL_CONSERVES_MOMENTUM, "conserves momenta"},
+    {DL_NEEDS_JACOBIAN, "needs a Jacobian"},
+    {DL_RESTARTS_EXACTLY, "restarts exactly"},
+    {0, NULL},
+};
+
+void cli_help_program(FILE *out) {
+    fputs("driftlab: which integrator, at which step, costs how much for which error?\n\n"
+          "usage: driftlab COMMAND ...\n\n",
+          out);
+    for (const cli_command *const *command = cli_commands; *command; command++)
+        fprintf(out, "  %-8s %-16s %s\n", (*command)->name, (*command)->arguments,
+                (*command)->summary);
+    fputs("\n"
+          "  driftlab COMMAND --help    options of a command\n"
+          "  driftlab --version         versions of the program and its libraries\n\n"
+          "exit status: 0 ok; 1 the run failed; 2 bad input, nothing written; 3 reading or\n"
+          "writing failed; 130 interrupted\n",
+          out);
+}
+
+static void print_option(const dl_parameter *row, FILE *out) {
+    char form[64];
+    snprintf(form, sizeof form, "--%s %s", row->name, row->kind == DL_FLAG ? "" : row->unit);
+    fprintf(out, "  %-24s %s", form, row->doc);
+    if (row->fallback && row->kind != DL_FLAG)
+        fprintf(out, " (default %s)", row->fallback);
+    fputc('\n', out);
+}
+
+void cli_help_command(const cli_command *command, FILE *out) {
+    const bool options = command->options.count || command->settings;
+    fprintf(out, "usage: driftlab %s %s%s\n\n%s\n", command->name, command->arguments,
+            options ? " [OPTION ...]" : "", command->summary);
+    if (command->details)
+        fprintf(out, "\n%s", command->details);
+    if (options)
+        fputs("\noptions\n", out);
+    for (size_t i = 0; i < command->options.count; i++)
+        print_option(&command->options.rows[i], out);
+    if (command->settings)
+        fprintf(out, "  %-24s %s\n", "--set KEY=VALUE", "an option of the method; may be repeated");
+}
+
+void cli_help_method(const dl_method_row *row, FILE *out) {
+    fprintf(out, "%s  (%s, ", row->name, row->family);
+    if (row->order)
+        fprintf(out, "order %d)\n", row->order);
+    else
+        fputs("order varies)\n", out);
+    fprintf(out, "    %s\n    ", row->doc);
+    const char *separator = "";
+    for (const cli_flag_word *flag = cli_flag_words; flag->flag; flag++)
+        if (row->flags & flag->flag) {
+            fprintf(out, "%s%s", separator, flag->words);
+            separator = ", ";
+        }
+    fputc('\n', out);
+    for (size_t i = 0; i < row->options.count; i++) {
+        const dl_parameter *option = &row->options.rows[i];
+        char range[256];
+        dl_parameter_range(option, range, sizeof range);
+        fprintf(out, "    %-16s %-18s default %-12s %s", option->name, range,
+                option->fallback ? option->fallback : "the scene's", option->doc);
+        if (option->unit[0])
+            fprintf(out, " [%s]", option->unit);
+        fputc('\n', out);
+    }
+}

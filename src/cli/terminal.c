@@ -1,0 +1,47 @@
+#include "cli/terminal.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+static volatile int interrupted;
+
+static void on_signal(int number) {
+    (void)number;
+    interrupted = 1;
+}
+
+const volatile int *cli_catch_signals(void) {
+    struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    return &interrupted;
+}
+
+bool cli_shows_progress(void) {
+    return isatty(STDERR_FILENO) == 1;
+}
+
+void cli_show_progress(const char *text) {
+    /* ECMA-48: erase to the end of the line. */
+    fprintf(stderr, "\r%s\033[K", text ? text : "");
+    fflush(stderr);
+}
+
+void cli_format_seconds(double seconds, char *text, int size) {
+    const long whole = (long)(seconds + 0.5);
+    if (!(seconds < 1e8))
+        snprintf(text, (size_t)size, "?");
+    else if (whole < 100)
+        snprintf(text, (size_t)size, "%ld s", whole);
+    else if (whole < 6000)
+        snprintf(text, (size_t)size, "%ld min %02ld s", whole / 60, whole % 60);
+    else
+        snprintf(text, (size_t)size, "%ld h %02ld min", whole / 3600, whole / 60 % 60);
+}
+
+void cli_complain(const char *message) {
+    fprintf(stderr, "driftlab: %s\n", message);
+}

@@ -1,0 +1,155 @@
+#include "io/results_schema.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+
+#define FIELD(type, kind, name)                                                                    \
+    { #name, DL_FIELD_##kind, offsetof(type, name) }
+#define SUMMARY(kind, name)                                                                        \
+    { #name, DL_FIELD_##kind, offsetof(dl_case, summary.name) }
+
+static const dl_field head_fields[] = {
+    FIELD(dl_results, TEXT, study),       FIELD(dl_results, TEXT, title),
+    FIELD(dl_results, TEXT, kind),        FIELD(dl_results, TEXT, question),
+    FIELD(dl_results, REAL, asked_error), FIELD(dl_results, TEXT, asked_in),
+};
+
+static const dl_field fact_fields[] = {
+    FIELD(dl_fact, TEXT, name),
+    FIELD(dl_fact, TEXT, value),
+};
+
+static const dl_field scene_fields[] = {
+    FIELD(dl_scene_record, TEXT, name),
+    FIELD(dl_scene_record, TEXT, source),
+    FIELD(dl_scene_record, LONG_TEXT, explain),
+    FIELD(dl_scene_record, LONG_TEXT, text),
+};
+
+static const dl_field reference_fields[] = {
+    FIELD(dl_reference, TEXT, key),
+    FIELD(dl_reference, TEXT, scene),
+    FIELD(dl_reference, TEXT, description),
+    FIELD(dl_reference, REAL, error),
+    FIELD(dl_reference, SIZE, samples),
+    FIELD(dl_reference, SIZE, particles),
+    FIELD(dl_reference, INT, dimension),
+    FIELD(dl_reference, SERIES, time),
+    FIELD(dl_reference, SERIES, sample_error),
+    FIELD(dl_reference, POSITIONS, position),
+};
+
+static const dl_field case_fields[] = {
+    FIELD(dl_case, TEXT, key),
+    FIELD(dl_case, TEXT, scene),
+    FIELD(dl_case, TEXT, method),
+    FIELD(dl_case, TEXT, family),
+    FIELD(dl_case, TEXT, options),
+    FIELD(dl_case, TEXT, command),
+    SUMMARY(STATUS, status),
+    SUMMARY(MESSAGE, message),
+    SUMMARY(REAL, t_end_reached),
+    SUMMARY(REAL, step),
+    SUMMARY(ULONG, steps),
+    SUMMARY(ULONG, rejected_steps),
+    SUMMARY(ULONG, force_evaluations),
+    SUMMARY(ULONG, jacobian_evaluations),
+    SUMMARY(ULONG, jacobian_vector_products),
+    SUMMARY(ULONG, nonlinear_iterations),
+    SUMMARY(ULONG, linear_iterations),
+    SUMMARY(ULONG, factorisations),
+    SUMMARY(ULONG, neighbour_list_builds),
+    SUMMARY(ULONG, wall_hits),
+    SUMMARY(REAL, cpu_seconds),
+    SUMMARY(REAL, energy_initial),
+    SUMMARY(REAL, energy_final),
+    SUMMARY(REAL, energy_scale),
+    SUMMARY(REAL, energy_error_max),
+    SUMMARY(REAL, energy_error_final),
+    SUMMARY(REAL, ledger),
+    SUMMARY(REAL, momentum_error_max),
+    SUMMARY(REAL, angular_momentum_error_max),
+    SUMMARY(REAL, momentum_scale),
+    SUMMARY(REAL, angular_momentum_scale),
+    SUMMARY(REAL, kinetic_energy_per_particle),
+    {"summary_samples", DL_FIELD_SIZE, offsetof(dl_case, summary.samples)},
+    FIELD(dl_case, UNSIGNED, repeats),
+    FIELD(dl_case, REAL, cpu_median),
+    FIELD(dl_case, REAL, position_error),
+    FIELD(dl_case, REAL, position_error_max),
+    FIELD(dl_case, REAL, position_error_ever),
+    FIELD(dl_case, SIZE, samples),
+    FIELD(dl_case, SERIES, sample_time),
+    FIELD(dl_case, SERIES, sample_energy_error),
+    FIELD(dl_case, SERIES, sample_position_error),
+    FIELD(dl_case, TEXT, refused),
+};
+
+#define RECORD(groupname, table, type, counter, pointer)                                           \
+    .group = groupname, .fields = table, .field_count = sizeof table / sizeof *table,              \
+    .size = sizeof(type), .count = offsetof(dl_results, counter),                                  \
+    .array = offsetof(dl_results, pointer)
+
+const dl_record dl_results_head = {
+    .group = "",
+    .fields = head_fields,
+    .field_count = sizeof head_fields / sizeof *head_fields,
+    .size = sizeof(dl_results),
+};
+
+const dl_record dl_results_records[DL_RECORDS] = {
+    [DL_RECORD_FACTS] = {RECORD("facts", fact_fields, dl_fact, facts, fact)},
+    [DL_RECORD_SCENES] = {RECORD("scenes", scene_fields, dl_scene_record, scenes, scene)},
+    [DL_RECORD_REFERENCES] = {RECORD("references", reference_fields, dl_reference, references,
+                                     reference),
+                              .samples = offsetof(dl_reference, samples)},
+    [DL_RECORD_CASES] = {RECORD("cases", case_fields, dl_case, cases, cased),
+                         .samples = offsetof(dl_case, samples)},
+};
+
+void *dl_field_at(const dl_field *field, const void *element) {
+    return (char *)(uintptr_t)element + field->offset;
+}
+
+int dl_field_shape(const dl_record *record, const dl_field *field, const void *element,
+                   hsize_t shape[2]) {
+    shape[0] = *(const size_t *)((const char *)element + record->samples);
+    shape[1] = 1;
+    if (field->kind != DL_FIELD_POSITIONS)
+        return 1;
+    const dl_reference *reference = element;
+    shape[1] = (hsize_t)reference->dimension * reference->particles;
+    return 2;
+}
+
+hid_t dl_field_native(dl_field_kind kind) {
+    if (kind == DL_FIELD_UNSIGNED)
+        return H5T_NATIVE_UINT;
+    if (kind == DL_FIELD_ULONG)
+        return H5T_NATIVE_ULONG;
+    if (kind == DL_FIELD_INT)
+        return H5T_NATIVE_INT;
+    if (kind == DL_FIELD_SIZE)
+        return sizeof(size_t) == sizeof(unsigned long) ? H5T_NATIVE_ULONG : H5T_NATIVE_UINT;
+    return H5T_NATIVE_DOUBLE;
+}
+
+hid_t dl_field_stored(dl_field_kind kind) {
+    if (kind == DL_FIELD_INT)
+        return H5T_STD_I32LE;
+    if (kind == DL_FIELD_UNSIGNED || kind == DL_FIELD_ULONG || kind == DL_FIELD_SIZE)
+        return H5T_STD_U64LE;
+    return H5T_IEEE_F64LE;
+}
+
+void dl_record_release(const dl_record *record, void *element) {
+    for (size_t i = 0; i < record->field_count; i++) {
+        const dl_field *field = &record->fields[i];
+        if (field->kind == DL_FIELD_TEXT || field->kind == DL_FIELD_LONG_TEXT ||
+            field->kind == DL_FIELD_SERIES || field->kind == DL_FIELD_POSITIONS) {
+            void **owned = dl_field_at(field, element);
+            free(*owned);
+            *owned = NULL;
+        }
+    }
+}

@@ -1,0 +1,182 @@
+#include "observe/observer.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Conserved quantities of one state. The kinetic energy is summed in long double: in a fast stream
+ * it is 1e4 times the energy scale, and its last bit in double would be the largest error there. */
+typedef struct quantities {
+    dl_energy energy;
+    long double kinetic;
+    double linear[3], angular[3];
+} quantities;
+
+struct dl_observer {
+    dl_model *model;
+    double *y;                /* [2 * unknowns] */
+    double *y_all;            /* [2 * dimension * particles] */
+    quantities start, before; /* at t = 0; before the jump under way */
+    long double ledger;
+    long double impulse[3], angular_impulse[3]; /* that the walls have taken */
+    double gravity_force[3];
+};
+
+dl_status dl_observer_create(const dl_scene *scene, dl_observer **observer, dl_error *error) {
+    *observer = NULL;
+    dl_observer *created = calloc(1, sizeof *created);
+    if (!created)
+        return dl_fail_memory(error, "the observation of a run");
+    dl_status status = dl_model_create(scene, &created->model, error);
+    if (status) {
+        dl_observer_free(created);
+        return status;
+    }
+    const dl_model *model = created->model;
+    created->y = malloc(2 * model->unknowns * sizeof *created->y);
+    created->y_all =
+        malloc(2 * (size_t)model->dimension * model->particles * sizeof *created->y_all);
+    if (!created->y || !created->y_all) {
+        dl_observer_free(created);
+        return dl_fail_memory(error, "the observation of a run");
+    }
+    dl_model_gravity_force(model, created->gravity_force);
+    *observer = created;
+    return DL_OK;
+}
+
+void dl_observer_free(dl_observer *observer) {
+    if (!observer)
+        return;
+    dl_model_free(observer->model);
+    free(observer->y);
+    free(observer->y_all);
+    free(observer);
+}
+
+static long double kinetic_energy(const dl_scene *scene, const double *y_all) {
+    const size_t components = (size_t)scene->dimension;
+    const double *velocity = y_all + components * scene->particles;
+    long double sum = 0;
+    for (size_t i = 0; i < scene->particles; i++) {
+        long double square = 0;
+        for (size_t k = 0; k < components; k++) {
+            const long double v = velocity[k * scene->particles + i];
+            square += v * v;
+        }
+        sum += 0.5L * scene->inertia[i] * square;
+    }
+    return sum;
+}
+
+static dl_status measure(dl_observer *observer, dl_method *method, quantities *measured,
+                         dl_error *error) {
+    /* A method that needs a force to tell its state takes it from the observer's model. */
+    dl_model *integrated = method->model;
+    method->model = observer->model;
+    dl_status status = dl_method_state(method, observer->y, error);
+    method->model = integrated;
+    if (!status)
+        status = dl_model_energy(observer->model, observer->y, &measured->energy, error);
+    if (status)
+        return status;
+    dl_model_expand(observer->model, observer->y, observer->y_all);
+    measured->kinetic = kinetic_energy(observer->model->scene, observer->y_all);
+    dl_model_momentum(observer->model, observer->y, measured->linear, measured->angular);
+    return DL_OK;
+}
+
+/* E(to) - E(from), without the cancellation of the totals. */
+static long double energy_change(const quantities *from, const quantities *to) {
+    return (to->kinetic - from->kinetic) + ((long double)to->energy.pair - from->energy.pair) +
+           ((long double)to->energy.gravity - from->energy.gravity);
+}
+
+/* Sums of the moduli of the terms of both momenta. */
+static void momentum_scales(const dl_observer *observer, double *linear, double *angular) {
+    const dl_scene *scene = observer->model->scene;
+    const size_t n = scene->particles, components = (size_t)scene->dimension;
+    *linear = *angular = 0;
+    for (size_t i = 0; i < n; i++) {
+        double r[3] = {0}, v[3] = {0};
+        for (size_t k = 0; k < components; k++) {
+            r[k] = observer->y_all[k * n + i];
+            v[k] = observer->y_all[(components + k) * n + i];
+        }
+        const double cross[3] = {r[1] * v[2] - r[2] * v[1], r[2] * v[0] - r[0] * v[2],
+                                 r[0] * v[1] - r[1] * v[0]};
+        *linear += scene->inertia[i] * hypot(hypot(v[0], v[1]), v[2]);
+        *angular += scene->inertia[i] * hypot(hypot(cross[0], cross[1]), cross[2]);
+    }
+}
+
+dl_status dl_observer_begin(dl_observer *observer, dl_method *method, dl_run_summary *summary,
+                            dl_error *error) {
+    dl_status status = measure(observer, method, &observer->start, error);
+    if (!status)
+        status = dl_model_energy_scale(observer->model, observer->y, &summary->energy_scale, error);
+    if (status)
+        return status;
+    if (!isfinite(observer->start.energy.total))
+        return dl_fail(error, DL_UNSTABLE, "the energy of the initial state is not finite");
+    momentum_scales(observer, &summary->momentum_scale, &summary->angular_momentum_scale);
+    return DL_OK;
+}
+
+static double momentum_error(const double now[3], const double start[3], const long double taken[3],
+                             const double force[3], double time) {
+    long double square = 0;
+    for (size_t k = 0; k < 3; k++) {
+        const long double error =
+            (long double)now[k] - start[k] + taken[k] - (long double)force[k] * (long double)time;
+        square += error * error;
+    }
+    return (double)sqrtl(square);
+}
+
+dl_status dl_observer_sample(dl_observer *observer, dl_method *method, double time,
+                             dl_sample *sample, dl_error *error) {
+    static const double no_torque[3] = {0};
+    quantities now;
+    const dl_status status = measure(observer, method, &now, error);
+    if (status)
+        return status;
+    const dl_model *model = observer->model;
+    const quantities *start = &observer->start;
+    sample->time = time;
+    sample->energy = now.energy;
+    sample->ledger = (double)observer->ledger;
+    sample->energy_error = (double)(energy_change(start, &now) + observer->ledger);
+    sample->momentum_error = dl_model_conserves_linear_momentum(model)
+                                 ? momentum_error(now.linear, start->linear, observer->impulse,
+                                                  observer->gravity_force, time)
+                                 : NAN;
+    sample->angular_momentum_error =
+        dl_model_conserves_angular_momentum(model)
+            ? momentum_error(now.angular, start->angular, observer->angular_impulse, no_torque,
+                             time)
+            : NAN;
+    sample->y_all = observer->y_all;
+    return DL_OK;
+}
+
+dl_status dl_observer_before_jump(dl_observer *observer, dl_method *method, dl_error *error) {
+    return measure(observer, method, &observer->before, error);
+}
+
+dl_status dl_observer_after_jump(dl_observer *observer, dl_method *method, dl_error *error) {
+    const quantities *const before = &observer->before;
+    quantities after;
+    const dl_status status = measure(observer, method, &after, error);
+    if (status)
+        return status;
+    observer->ledger -= energy_change(before, &after);
+    for (size_t k = 0; k < 3; k++) {
+        observer->impulse[k] += (long double)before->linear[k] - after.linear[k];
+        observer->angular_impulse[k] += (long double)before->angular[k] - after.angular[k];
+    }
+    return DL_OK;
+}
+
+double dl_observer_initial_energy(const dl_observer *observer) {
+    return observer->start.energy.total;
+}

@@ -1,0 +1,257 @@
+/* Charts: looks of the lines, logarithmic axes, marks, legends. */
+
+/* Okabe and Ito's colours (https://jfly.uni-koeln.de/color/), which colour-blind readers tell
+ * apart, with a wine red in place of the yellow that white paper swallows. */
+const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000",
+                 "#882255"];
+const SHAPES = ["circle", "rect", "triangle", "rectRot", "crossRot", "star", "cross"];
+const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3]];
+
+/* 8 colours and 7 shapes repeat together after 56 lines only; each round of colours has another
+ * dash, and every second round hollow points. */
+const lookOf = index => {
+  const round = Math.floor(index / COLOURS.length);
+  const colour = COLOURS[index % COLOURS.length];
+  return {
+    colour,
+    dash: DASHES[round % DASHES.length],
+    shape: SHAPES[index % SHAPES.length],
+    fill: round % 2 ? "#ffffff" : colour,
+  };
+};
+
+const NEAR_ONE = 1e-9; /* rounding of log10 */
+const tenTo = exponent => Number("1e" + exponent); /* 10 ** -5 is not 1e-5 everywhere */
+
+/* {min, max}: the nearest 1, 2 or 5 times a power of ten on either side of the values. */
+const logBounds = values => {
+  const low = Math.min(...values), high = Math.max(...values);
+  const steps = [];
+  for (let e = Math.floor(Math.log10(low)) - 1; e <= Math.ceil(Math.log10(high)) + 1; e++)
+    for (const factor of [1, 2, 5]) steps.push(Number(factor + "e" + e));
+  return {min: steps.filter(step => step <= low * 0.95).pop(),
+          max: steps.find(step => step >= high * 1.05)};
+};
+
+/* Powers of ten, thinned to what `room` labels can show; 1-2-5 where there are too few. */
+const logTicks = (min, max, room) => {
+  const first = Math.ceil(Math.log10(min) - NEAR_ONE);
+  const last = Math.floor(Math.log10(max) + NEAR_ONE);
+  const ticks = [];
+  if (last - first >= 2) {
+    const stride = Math.max(1, Math.ceil((last - first + 1) / room));
+    for (let e = first; e <= last; e++)
+      if (e % stride === 0) ticks.push({value: tenTo(e)});
+    return ticks;
+  }
+  for (let e = first - 1; e <= last; e++)
+    for (const factor of room > 4 ? [1, 2, 5] : [1, 3]) {
+      const value = Number(factor + "e" + e);
+      if (value >= min * (1 - NEAR_ONE) && value <= max * (1 + NEAR_ONE)) ticks.push({value});
+    }
+  return ticks;
+};
+
+/* 20, 50, 100 where the ticks are no whole decades, powers elsewhere. */
+const tickText = (value, index, ticks) => {
+  const decades = ticks.every(tick => /^1e/.test(tick.value.toExponential()));
+  return !decades && value >= 0.01 && value < 1e4 ? String(value) : scientific(value);
+};
+
+const logAxis = (title, values, roomOf) => ({
+  type: "logarithmic",
+  title: {display: true, text: title, color: "#222"},
+  ...logBounds(values),
+  grid: {color: "#e2e2e2", tickColor: "#888"},
+  ticks: {callback: tickText, autoSkip: false, maxRotation: 0, color: "#222"},
+  afterBuildTicks: axis => {
+    axis.ticks = logTicks(axis.min, axis.max, Math.max(2, roomOf(axis.chart)));
+  },
+});
+
+const logX = (title, values) => logAxis(title, values, chart => Math.floor(chart.width / 60));
+const logY = (title, values) => logAxis(title, values, chart => Math.floor(chart.height / 32));
+
+const linearX = title => ({
+  type: "linear",
+  title: {display: true, text: title, color: "#222"},
+  grid: {color: "#e2e2e2", tickColor: "#888"},
+  ticks: {maxRotation: 0, autoSkipPadding: 12, color: "#222"},
+});
+
+const ASKED = {colour: "#a00000", width: 1.5, dash: [6, 4]};
+const FLOOR_COLOUR = "rgba(90, 90, 90, 0.16)";
+
+/* The asked error (a line) and what lies below the reference's own error (shaded). Their names
+ * stand in the key beneath, where they cover no point. */
+const marks = {
+  id: "marks",
+  beforeDatasetsDraw(chart, args, {asked, floor}) {
+    const {ctx, chartArea: area, scales: {y}} = chart;
+    ctx.save();
+    if (floor > y.min) {
+      const top = Math.max(area.top, y.getPixelForValue(floor));
+      ctx.fillStyle = FLOOR_COLOUR;
+      ctx.fillRect(area.left, top, area.right - area.left, area.bottom - top);
+    }
+    if (asked) {
+      const height = y.getPixelForValue(asked);
+      strokeLine(ctx, ASKED, area.left, area.right, height);
+    }
+    ctx.restore();
+  },
+};
+
+const strokeLine = (context, look, left, right, height) => {
+  context.strokeStyle = look.colour;
+  context.lineWidth = look.width;
+  context.setLineDash(look.dash);
+  context.beginPath();
+  context.moveTo(left, height);
+  context.lineTo(right, height);
+  context.stroke();
+  context.setLineDash([]);
+};
+
+/* How many points are on the screen: written where a test can read it. */
+const countPoints = chart => {
+  let drawn = 0;
+  for (const meta of chart.getSortedVisibleDatasetMetas())
+    for (const point of meta.data) {
+      const {x, y} = point.getProps(["x", "y"], true);
+      const {left, right, top, bottom} = chart.chartArea;
+      if (!point.skip && x >= left - 1 && x <= right + 1 && y >= top - 1 && y <= bottom + 1)
+        drawn++;
+    }
+  chart.canvas.dataset.points = drawn;
+};
+
+const FADED = "#dcdcdc";
+
+const paint = (set, faded) => {
+  set.borderColor = set.pointBorderColor = faded ? FADED : set.look.colour;
+  set.pointBackgroundColor = faded ? "#ffffff" : set.look.fill;
+  return set;
+};
+
+const dataset = (line, hidden, radius) => paint({
+  label: line.name,
+  look: line.look,
+  data: line.points,
+  hidden: hidden.has(line.name),
+  showLine: true,
+  spanGaps: false,
+  borderDash: line.look.dash,
+  borderWidth: 1.8,
+  pointStyle: line.look.shape,
+  pointBorderWidth: 1.5,
+  pointRadius: radius,
+  pointHoverRadius: radius + 3,
+  pointHitRadius: 8,
+  clip: 8, /* points on the frame stay whole */
+}, false);
+
+/* `plan`: {lines: [{name, look, points: [{x, y, ...}]}], x, y (axes), marks, tooltip(point),
+ * hidden (names), radius, label (for screen readers)}. */
+const makeChart = (canvas, plan) => {
+  canvas.setAttribute("aria-label", plan.label);
+  const chart = new Chart(canvas, {
+    type: "scatter",
+    data: {datasets: plan.lines.map(line => dataset(line, plan.hidden, plan.radius))},
+    plugins: [marks],
+    options: {
+      animation: false,
+      maintainAspectRatio: false,
+      devicePixelRatio: Math.max(2, window.devicePixelRatio || 1), /* legible when printed */
+      scales: {x: plan.x, y: plan.y},
+      interaction: {mode: "nearest", intersect: true},
+      layout: {padding: {top: 6, right: 10}},
+      plugins: {
+        legend: {display: false},
+        marks: plan.marks,
+        tooltip: {
+          displayColors: false,
+          callbacks: {
+            title: items => items.map(item => item.dataset.label),
+            label: item => plan.tooltip(item.raw),
+          },
+        },
+      },
+    },
+  });
+  countPoints(chart);
+  return chart;
+};
+
+/* A little picture for a key; draw(context) has 34 x 14 to itself. */
+const picture = draw => {
+  const canvas = document.createElement("canvas");
+  const scale = 2; /* legible when printed */
+  Object.assign(canvas, {width: 34 * scale, height: 14 * scale, className: "swatch"});
+  const context = canvas.getContext("2d");
+  context.scale(scale, scale);
+  draw(context);
+  return canvas;
+};
+
+const linePicture = look => picture(context => {
+  strokeLine(context, {...look, width: 1.8}, 1, 33, 7);
+  context.fillStyle = look.fill;
+  context.lineWidth = 1.5;
+  Chart.helpers.drawPoint(context, {pointStyle: look.shape, radius: 4.5, rotation: 0,
+                                   borderWidth: 1.5}, 17, 7);
+});
+
+const markKey = ({asked, floor}) => {
+  const key = (image, text) => element("span", {className: "mark"}, image, text);
+  const keys = [];
+  if (asked)
+    keys.push(key(picture(context => strokeLine(context, ASKED, 1, 33, 7)),
+                  "asked: " + scientific(asked)));
+  if (floor)
+    keys.push(key(picture(context => {
+      context.fillStyle = FLOOR_COLOUR;
+      context.fillRect(1, 1, 32, 12);
+    }), `below the reference's own error ${scientific(floor)}: says nothing`));
+  return keys;
+};
+
+const toggleLine = (charts, name, hidden) => {
+  for (const chart of charts) {
+    chart.data.datasets.forEach((set, index) => {
+      if (set.label === name) chart.setDatasetVisibility(index, !hidden);
+    });
+    chart.update("none");
+    countPoints(chart);
+  }
+};
+
+/* Fades every line but that one; no name: none is faded. */
+const pickOut = (charts, name) => {
+  for (const chart of charts) {
+    for (const set of chart.data.datasets) paint(set, name && set.label !== name);
+    chart.update("none");
+  }
+};
+
+/* Buttons that hide and show a line in every one of the charts, and pick it out under a mouse. */
+const makeLegend = (lines, hidden, charts, marked) => {
+  const legend = element("div", {className: "legend"});
+  for (const line of lines) {
+    const button = element("button", {type: "button", className: "line"}, linePicture(line.look),
+                           element("span", {}, line.name));
+    button.setAttribute("aria-pressed", String(!hidden.has(line.name)));
+    button.addEventListener("click", () => {
+      if (!hidden.delete(line.name)) hidden.add(line.name);
+      button.setAttribute("aria-pressed", String(!hidden.has(line.name)));
+      toggleLine(charts, line.name, hidden.has(line.name));
+    });
+    button.addEventListener("pointerenter", event => {
+      if (event.pointerType === "mouse") pickOut(charts, line.name);
+    });
+    button.addEventListener("pointerleave", () => pickOut(charts, null));
+    legend.append(button);
+  }
+  legend.append(...markKey(marked));
+  return legend;
+};

@@ -1,0 +1,560 @@
+/* The page: sections in reading order, made from the results. Text goes in as text only. */
+
+const results = JSON.parse(document.getElementById("results").textContent);
+const page = document.getElementById("page");
+
+const element = (tag, properties, ...children) => {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children.flat().filter(child => child !== null && child !== undefined));
+  return made;
+};
+
+const strong = text => element("strong", {}, text);
+const folded = (summary, ...children) =>
+  element("details", {}, element("summary", {}, summary), ...children);
+const pre = text => element("pre", {}, text);
+
+const METRICS = {
+  position: {
+    name: "position error",
+    axis: "RMS position error [length]",
+    time: "RMS position error [length]",
+    value: one => one.position_error,
+  },
+  energy: {
+    name: "energy error",
+    axis: "largest |energy error| / energy scale [1]",
+    time: "|energy error| / energy scale [1]",
+    value: one => one.energy_error,
+  },
+};
+
+const COSTS = {
+  cpu: {title: "Error against CPU time", axis: "CPU time [s]", value: one => one.cpu_seconds},
+  force: {title: "Error against force evaluations", axis: "force evaluations [1]",
+          value: one => one.force_evaluations},
+};
+
+const asked = results.asked_error > 0 && METRICS[results.asked_in]
+  ? {error: results.asked_error, metric: METRICS[results.asked_in], in: results.asked_in}
+  : null;
+
+const isDrawn = (one, metric) => one.not_drawn[metric] === "";
+const shownStatus = one =>
+  (one.status === "ok" && one.refused ? "position refused" : one.status);
+const byCost = (a, b) => a.cpu_seconds - b.cpu_seconds;
+const byError = metric => (a, b) => METRICS[metric].value(a) - METRICS[metric].value(b);
+
+/* --- title and answer --- */
+
+const writeQuestion = () => {
+  const parts = [];
+  if (results.question) parts.push(element("p", {className: "question"}, results.question));
+  const facts = [results.study && "study " + results.study, results.kind,
+                 results.cases.length + (results.cases.length === 1 ? " case" : " cases"),
+                 asked && `asked: ${asked.metric.name} at most ${scientific(asked.error)}`];
+  parts.push(element("p", {className: "quiet"}, facts.filter(Boolean).join(" · ")));
+  page.append(...parts);
+};
+
+const caseName = one => [strong(one.line.name), one.label ? ` (${one.label})` : ""];
+
+/* An error too small for the reference to tell is at most its sum with the reference's own. */
+const boundOf = (scene, one) => {
+  const value = asked.metric.value(one);
+  if (one.status !== "ok" || value === null) return Infinity;
+  if (asked.in === "energy" || !one.refused) return value;
+  return scene.reference ? value + scene.reference.error : Infinity;
+};
+
+const errorReached = (scene, one) =>
+  isDrawn(one, asked.in)
+    ? `${asked.metric.name} ${scientific(asked.metric.value(one))}`
+    : `${asked.metric.name} at most ${scientific(boundOf(scene, one))}, less than the reference `
+      + "can tell";
+
+const reachedSentence = (scene, best) => {
+  const next = scene.cases
+    .filter(one => one.line !== best.line && boundOf(scene, one) <= asked.error).sort(byCost)[0];
+  const sentence = [
+    "Cheapest: ", caseName(best), `: ${errorReached(scene, best)}, `,
+    `${seconds(best.cpu_seconds)} of CPU time, `,
+    `${count(best.force_evaluations)} force evaluations.`];
+  if (next)
+    sentence.push(" Next: ", caseName(next), ` with ${seconds(next.cpu_seconds)}, `,
+                  timesAsMuch(next.cpu_seconds / best.cpu_seconds) + ".");
+  else
+    sentence.push(" No other method reached it.");
+  return sentence.flat();
+};
+
+const missedSentence = scene => {
+  const closest = scene.cases.filter(one => isDrawn(one, asked.in)).sort(byError(asked.in))[0];
+  if (!closest)
+    return [`Nothing reached ${scientific(asked.error)}: none of the ${scene.cases.length} cases `
+            + `gave a ${asked.metric.name} that can be shown.`];
+  return [`Nothing reached ${scientific(asked.error)}; the closest was `, caseName(closest),
+          ` with ${scientific(asked.metric.value(closest))}.`].flat();
+};
+
+const writeAnswer = () => {
+  if (!asked) return;
+  const box = element("section", {id: "answer", className: "answer"});
+  box.append(element("h2", {}, `The answer: ${asked.metric.name} ≤\u00a0${scientific(asked.error)}`));
+  for (const scene of scenes) {
+    const best = scene.cheapest === null ? null : results.cases[scene.cheapest];
+    const name = scenes.length > 1
+      ? [element("a", {href: "#" + scene.id}, scene.name), ": "] : [];
+    box.append(element("p", {}, ...name,
+                       ...(best ? reachedSentence(scene, best) : missedSentence(scene))));
+  }
+  page.append(box);
+};
+
+/* --- error against cost --- */
+
+const pointTooltip = metric => point => [
+  point.one.label || "default options",
+  `${METRICS[metric].name}: ${scientific(METRICS[metric].value(point.one), 3)}`,
+  `CPU time: ${seconds(point.one.cpu_seconds)}`,
+  `force evaluations: ${count(point.one.force_evaluations)}`,
+  `steps: ${count(point.one.steps)}`,
+  `status: ${shownStatus(point.one)}`,
+];
+
+const costLines = (scene, metric, cost) =>
+  scene.lines.map(line => ({
+    name: line.name,
+    look: lookOf(line.index),
+    points: scene.cases
+      .filter(one => one.line === line && isDrawn(one, metric) && COSTS[cost].value(one) > 0)
+      .sort((a, b) => a.force_evaluations - b.force_evaluations)
+      .map(one => ({x: COSTS[cost].value(one), y: METRICS[metric].value(one), one})),
+  })).filter(line => line.points.length);
+
+const floorOf = (scene, metric) =>
+  metric === "position" && scene.reference && scene.reference.error > 0
+    ? scene.reference.error : null;
+
+const costPlan = (scene, metric, cost, hidden) => {
+  const lines = costLines(scene, metric, cost);
+  const points = lines.flatMap(line => line.points);
+  if (!points.length) return null;
+  const marked = marksOf(scene, metric);
+  const heights = points.map(point => point.y).concat(marked.asked || []);
+  /* A reference far better than every point would squeeze the points into the top. */
+  if (marked.floor > Math.min(...heights) / 1e4) heights.push(marked.floor / 4);
+  return {
+    lines, hidden, radius: 4.5,
+    x: logX(COSTS[cost].axis, points.map(point => point.x)),
+    y: logY(METRICS[metric].axis, heights),
+    marks: marked,
+    tooltip: pointTooltip(metric),
+    label: `${COSTS[cost].title}, scene ${scene.name}, ${METRICS[metric].name}; `
+           + "the table of cases holds the same figures",
+  };
+};
+
+/* A frame, titled or not, for one chart; draw(plan) fills it anew and returns the chart or null. */
+const makeFrame = (name, title, empty) => {
+  const holder = element("div", {className: "canvas"});
+  let chart = null;
+  const draw = plan => {
+    if (chart) chart.destroy();
+    const canvas = element("canvas", {});
+    Object.assign(canvas.dataset, {chart: name, points: 0});
+    canvas.setAttribute("role", "img");
+    holder.replaceChildren(canvas);
+    holder.classList.toggle("nothing", !plan);
+    chart = plan ? makeChart(canvas, plan) : null;
+    if (!plan) holder.append(element("p", {className: "empty"}, empty));
+    return chart;
+  };
+  const figure = element("figure", {}, title ? element("figcaption", {}, title) : null, holder);
+  return {figure, draw};
+};
+
+const notDrawnList = (scene, metric) => {
+  const missing = scene.cases.filter(one => !isDrawn(one, metric));
+  if (!missing.length) return [];
+  const rows = missing.map(one => element("tr", {},
+    element("td", {}, one.line.name), element("td", {}, one.label),
+    element("td", {}, statusMark(one)), element("td", {}, one.not_drawn[metric])));
+  return [element("h4", {}, `Not drawn: ${missing.length} of ${scene.cases.length}`),
+          element("div", {className: "scroll tall"},
+                  element("table", {className: "plain missing"}, element("tbody", {}, rows)))];
+};
+
+const metricChoice = (scene, start, change) => {
+  const choice = element("fieldset", {className: "choice"}, element("legend", {}, "Error shown"));
+  for (const metric of Object.keys(METRICS)) {
+    const input = element("input", {type: "radio", name: "metric-" + scene.id, value: metric,
+                                    checked: metric === start});
+    input.addEventListener("change", () => change(metric));
+    choice.append(element("label", {}, input, METRICS[metric].name));
+  }
+  return choice;
+};
+
+const firstMetric = scene => {
+  const wanted = asked ? asked.in : "position";
+  const has = metric => scene.cases.some(one => isDrawn(one, metric));
+  return has(wanted) ? wanted : Object.keys(METRICS).find(has) || wanted;
+};
+
+const floorNote = (scene, metric) => {
+  if (metric !== "position" || !scene.reference) return "";
+  if (scene.reference.error === 0) return "The errors are against an exact solution.";
+  return scene.reference.error > 0 ? "" : "The reference's own error was not measured.";
+};
+
+/* What a cost chart is marked with. */
+const marksOf = (scene, metric) => ({
+  asked: asked && asked.in === metric ? asked.error : null,
+  floor: floorOf(scene, metric),
+});
+
+const writeCostCharts = (scene, section) => {
+  const charts = [], hidden = new Set();
+  const empty = "No case has an error that can be drawn here.";
+  const frames = Object.entries(COSTS).map(
+    ([cost, {title}]) => [cost, makeFrame(cost, title, empty)]);
+  const note = element("p", {className: "quiet"});
+  const missing = element("div", {className: "not-drawn"});
+  const legend = element("div", {});
+  const draw = metric => {
+    charts.length = 0;
+    for (const [cost, frame] of frames) {
+      const chart = frame.draw(costPlan(scene, metric, cost, hidden));
+      if (chart) charts.push(chart);
+    }
+    legend.replaceChildren(makeLegend(costLines(scene, metric, "force"), hidden, charts,
+                                      charts.length ? marksOf(scene, metric) : {}));
+    note.textContent = floorNote(scene, metric);
+    missing.replaceChildren(...notDrawnList(scene, metric));
+  };
+  const start = firstMetric(scene);
+  section.append(metricChoice(scene, start, draw),
+                 element("div", {className: "charts"}, frames.map(([, frame]) => frame.figure)),
+                 legend, note, missing);
+  return () => draw(start);
+};
+
+/* --- error over time --- */
+
+const hasSamples = (one, metric) => one.samples[metric].some(value => value > 0 || value < 0);
+
+/* The cheapest case that reaches the asked error, else the most accurate one. */
+const chosenCase = (scene, members, metric) => {
+  const key = asked ? asked.in : metric;
+  const reached = asked ? members.filter(one => boundOf(scene, one) <= asked.error) : [];
+  const drawn = members.filter(one => isDrawn(one, key));
+  return reached.sort(byCost)[0] || drawn.sort(byError(key))[0] || null;
+};
+
+const timeLine = (one, metric, name, look) => ({
+  name, look,
+  points: one.samples.time.map((x, i) => ({x, y: Math.abs(one.samples[metric][i]), one}))
+    .filter(point => point.y > 0),
+});
+
+const REFERENCE_LOOK = {colour: "#777777", dash: [1, 3], shape: "circle", fill: "#ffffff"};
+
+const referenceLine = (scene, metric) => {
+  const reference = scene.reference;
+  if (metric !== "position" || !reference) return [];
+  const points = reference.time.map((x, i) => ({x, y: reference.sample_error[i]}))
+    .filter(point => point.y > 0);
+  return points.length ? [{name: "reference's own error", look: REFERENCE_LOOK, points}] : [];
+};
+
+const timeTooltip = metric => point => [
+  point.one ? point.one.label : "",
+  `time: ${Number(point.x.toPrecision(6))}`,
+  `${METRICS[metric].name}: ${scientific(point.y, 3)}`,
+  point.one ? `status: ${shownStatus(point.one)}` : "",
+].filter(Boolean);
+
+const timePlan = (scene, metric, lines, hidden) => {
+  const drawn = lines.filter(line => line.points.length);
+  const heights = drawn.flatMap(line => line.points.map(point => point.y));
+  if (!heights.length) return null;
+  return {
+    lines: drawn, hidden, radius: 2,
+    x: linearX("time [time]"), y: logY(METRICS[metric].time, heights), marks: {},
+    tooltip: timeTooltip(metric),
+    label: `${METRICS[metric].name} over time, scene ${scene.name}`,
+  };
+};
+
+const optionList = (choices, chosen) =>
+  choices.map(([value, text]) => element("option", {value, selected: value === chosen}, text));
+
+/* For each line the case that is shown, as a list to choose from. */
+const casePickers = (scene, picked, change) => {
+  const grid = element("div", {className: "pickers"});
+  for (const line of scene.lines) {
+    const members = scene.cases.filter(one => one.line === line);
+    const choices = [["", "none"]].concat(members.map(one => [
+      one.key, one.label + (shownStatus(one) === "ok" ? "" : ` (${shownStatus(one)})`)]));
+    const chosen = picked.get(line);
+    const list = element("select", {}, optionList(choices, chosen ? chosen.key : ""));
+    list.addEventListener("change", () => {
+      picked.set(line, members.find(one => one.key === list.value) || null);
+      change();
+    });
+    grid.append(element("label", {}, element("span", {}, line.name), list));
+  }
+  return grid;
+};
+
+const timeLines = (scene, metric, mode, picked) => {
+  if (mode === "one")
+    return scene.lines.filter(line => picked.get(line)).map(line =>
+      timeLine(picked.get(line), metric, line.name, lookOf(line.index)));
+  return scene.cases.filter(one => one.line.name === mode)
+    .map((one, i) => timeLine(one, metric, one.label, lookOf(i)));
+};
+
+const strideNote = scene => {
+  const stride = Math.max(...scene.cases.map(one => one.samples.stride));
+  return stride > 1 ? ` Of up to ${stride} neighbouring samples the one with the largest energy`
+                      + " error is drawn." : "";
+};
+
+const timeNote = scene =>
+  (asked ? "One case a method: the cheapest that reaches the asked error, or else the most"
+           + " accurate. " : "One case a method: the most accurate. ")
+  + "Samples whose error is exactly 0 have no place on a logarithmic axis." + strideNote(scene);
+
+const writeTimeChart = (scene, section) => {
+  if (!scene.cases.some(one => hasSamples(one, "energy") || hasSamples(one, "position"))) {
+    section.append(element("p", {className: "quiet"}, "No case has samples over time."));
+    return () => {};
+  }
+  const state = {metric: "energy", mode: "one", picked: new Map(), hidden: new Set()};
+  for (const line of scene.lines)
+    state.picked.set(line, chosenCase(scene, scene.cases.filter(one => one.line === line),
+                                          "energy"));
+  const frame = makeFrame("time", "", "None of the chosen cases has samples here.");
+  const legend = element("div", {});
+  const draw = () => {
+    const lines = timeLines(scene, state.metric, state.mode, state.picked)
+      .concat(referenceLine(scene, state.metric));
+    const chart = frame.draw(timePlan(scene, state.metric, lines, state.hidden));
+    legend.replaceChildren(makeLegend(lines.filter(line => line.points.length), state.hidden,
+                                      chart ? [chart] : [], {}));
+  };
+  const set = key => event => {
+    state[key] = event.target.value;
+    state.hidden.clear();
+    draw();
+  };
+  section.append(timeControls(scene, set), frame.figure, legend,
+                 element("p", {className: "quiet"}, timeNote(scene)),
+                 folded("Choose the case of each method", casePickers(scene, state.picked, draw)));
+  return draw;
+};
+
+const timeControls = (scene, set) => {
+  const metric = element("select", {}, optionList(
+    Object.entries(METRICS).map(([key, {name}]) => [key, name]), "energy"));
+  metric.addEventListener("change", set("metric"));
+  const modes = [["one", "one case a method"]].concat(
+    scene.lines.map(line => [line.name, "every case of " + line.name]));
+  const mode = element("select", {}, optionList(modes, "one"));
+  mode.addEventListener("change", set("mode"));
+  return element("div", {className: "controls"},
+                 element("label", {}, element("span", {}, "Error"), metric),
+                 element("label", {}, element("span", {}, "Lines"), mode));
+};
+
+/* --- table of cases --- */
+
+const statusMark = one => {
+  const status = shownStatus(one);
+  const kind = one.status !== "ok" ? "failed" : one.refused ? "refused" : "ok";
+  return element("span", {className: "status " + kind}, status);
+};
+
+const real = (title, key, unit) => ({title, key, unit, text: shortReal});
+const number = (title, key) => ({title, key, unit: "", text: count});
+
+/* What is asked and what it costs first: a narrow window shows these. */
+const COLUMNS = [
+  {title: "method", value: one => one.line.name, always: true},
+  {title: "options", value: one => one.label, always: true, full: one => one.options,
+   sort: one => Number((/=\s*(\S+)/.exec(one.label.replace(/,.*/, "")) || [])[1]) || 0},
+  {title: "status", value: shownStatus, always: true, mark: statusMark,
+   full: one => one.refused || one.message},
+  real("position error, RMS", "position_error", "length"),
+  real("energy error, largest", "energy_error", "of scale"),
+  {title: "CPU time", key: "cpu_seconds", unit: "s", text: shortSeconds, always: true},
+  number("force evaluations", "force_evaluations"),
+  number("steps", "steps"),
+  real("position error, worst particle", "position_error_max", "length"),
+  real("energy error, end", "energy_error_final", "of scale"),
+  real("momentum error", "momentum_error", "of scale"),
+  real("angular momentum error", "angular_momentum_error", "of scale"),
+  {title: "CPU time, median", key: "cpu_median", unit: "s", text: shortSeconds},
+  number("rejected steps", "rejected_steps"),
+  number("Jacobians", "jacobian_evaluations"),
+  number("Jacobian–vector products", "jacobian_vector_products"),
+  number("nonlinear iterations", "nonlinear_iterations"),
+  number("linear iterations", "linear_iterations"),
+  number("factorisations", "factorisations"),
+  number("neighbour lists built", "neighbour_list_builds"),
+  number("wall hits", "wall_hits"),
+  {title: "time reached", key: "t_end_reached", unit: "time",
+   text: value => (value === null ? "–" : String(Number(value.toPrecision(4))))},
+];
+
+/* A column that is empty or zero for every case is left out. */
+const columnsOf = cases =>
+  COLUMNS.filter(column => column.always || cases.some(one => one[column.key]));
+
+const cellOf = (one, column) => {
+  if (!column.key) {
+    const cell = element("td", {}, column.mark ? column.mark(one) : column.value(one));
+    if (column.full) cell.title = column.full(one);
+    return cell;
+  }
+  const value = one[column.key];
+  const cell = element("td", {className: "number"}, column.text(value));
+  if (value !== null) cell.title = String(value);
+  return cell;
+};
+
+const sortKey = (one, column) => (column.sort || column.value || (() => one[column.key]))(one);
+
+/* Missing values last, whatever the direction. */
+const compare = (column, sign) => (a, b) => {
+  const left = sortKey(a, column), right = sortKey(b, column);
+  if (left === null || right === null) return (left === null) - (right === null);
+  return sign * (typeof left === "string" ? left.localeCompare(right) : left - right);
+};
+
+const caseRow = (one, columns) => {
+  const row = element("tr", {}, columns.map(column => cellOf(one, column)));
+  row.dataset.key = one.key;
+  return row;
+};
+
+const headCell = (column, sort) => {
+  const cell = element("th", {scope: "col", className: column.key ? "number" : ""});
+  const button = element("button", {type: "button"}, column.title,
+                         column.unit ? element("span", {className: "unit"}, `[${column.unit}]`)
+                                     : null);
+  button.addEventListener("click", () => {
+    const up = cell.getAttribute("aria-sort") !== "ascending";
+    for (const other of cell.parentNode.children) other.removeAttribute("aria-sort");
+    cell.setAttribute("aria-sort", up ? "ascending" : "descending");
+    sort(column, up ? 1 : -1);
+  });
+  cell.append(button);
+  return cell;
+};
+
+const writeTable = (scene, section) => {
+  const columns = columnsOf(scene.cases);
+  const body = element("tbody", {}, scene.cases.map(one => caseRow(one, columns)));
+  const sort = (column, sign) => {
+    const sorted = [...scene.cases].sort(compare(column, sign));
+    body.replaceChildren(...sorted.map(one => caseRow(one, columns)));
+  };
+  const head = element("thead", {}, element("tr", {}, columns.map(column =>
+    headCell(column, sort))));
+  section.append(
+    element("h3", {}, `Every case (${scene.cases.length})`),
+    element("div", {className: "scroll"}, element("table", {className: "cases"}, head, body)),
+    element("p", {className: "quiet"}, repeatsNote(scene), " Errors and momenta “of scale” are "
+      + "divided by the scene's energy or momentum scale. Click a heading to sort; a figure's full "
+      + "digits and a case's options show where the pointer rests."));
+};
+
+const repeatsNote = scene => {
+  const repeats = Math.max(...scene.cases.map(one => one.repeats));
+  return repeats > 1 ? `CPU time is the smallest of up to ${repeats} repeats.`
+                     : "CPU time is of one run.";
+};
+
+/* --- reference, scene, provenance --- */
+
+const writeReference = (scene, section) => {
+  const {reference} = scene;
+  section.append(element("h3", {}, "Reference"));
+  if (!reference) {
+    section.append(element("p", {}, "There is no reference for this scene: position errors are "
+                                    + "not known."));
+    return;
+  }
+  const own = reference.error === 0 ? "It is exact."
+    : reference.error === null ? "Its own error was not measured."
+    : `Its own error: ${scientific(reference.error, 3)} (RMS position difference at the end).`;
+  const told = reference.description.replace(/[.;\s]*$/, "");
+  section.append(element("p", {}, told ? told + ". " : "", own));
+};
+
+const writeSceneText = (scene, section) => {
+  section.append(element("h3", {}, "Scene"));
+  if (scene.source) section.append(element("p", {}, "Source: " + scene.source));
+  if (scene.explain) section.append(pre(scene.explain));
+  if (scene.text) section.append(folded("The scene file", pre(scene.text)));
+};
+
+const writeProvenance = () => {
+  const section = element("section", {}, element("h2", {}, "What made this"));
+  const rows = results.facts.map(fact => element("tr", {},
+    element("th", {scope: "row"}, fact.name), element("td", {}, fact.value)));
+  section.append(element("table", {className: "plain facts"}, element("tbody", {}, rows)));
+  page.append(section);
+};
+
+const writeCommands = () => {
+  const section = element("section", {}, element("h2", {}, "Repeat it"));
+  const study = results.facts.find(fact => fact.name === "command");
+  if (study) section.append(element("p", {}, "The study:"), pre(study.value));
+  for (const scene of scenes) {
+    const commands = scene.cases.map(one => one.command).filter(Boolean);
+    const where = scenes.length > 1 ? ` on ${scene.name}` : "";
+    if (commands.length)
+      section.append(folded(`Each case${where}: ${commands.length} commands`,
+                            pre(commands.join("\n"))));
+  }
+  page.append(section);
+};
+
+const writeScene = scene => {
+  const section = element("section", {id: scene.id, className: "scene"},
+                          element("h2", {}, "Scene " + scene.name));
+  page.append(section);
+  if (!scene.cases.length) {
+    section.append(element("p", {}, "No case has run on this scene."));
+  } else {
+    section.append(element("h3", {}, "Error against cost"));
+    const drawCosts = writeCostCharts(scene, section);
+    section.append(element("h3", {}, "Error over time"));
+    const drawTime = writeTimeChart(scene, section);
+    drawCosts(); /* charts take their size from a page that is laid out */
+    drawTime();
+    writeTable(scene, section);
+  }
+  writeReference(scene, section);
+  writeSceneText(scene, section);
+};
+
+const lines = findLines(results.cases);
+const scenes = results.scenes.map((scene, index) => {
+  const cases = results.cases.filter(one => one.scene === scene.name);
+  const present = new Set(cases.map(one => one.line));
+  return {...scene, id: "scene-" + (index + 1), cases,
+          lines: lines.filter(line => present.has(line))};
+});
+
+Chart.defaults.font.family = "system-ui, 'Liberation Sans', Arial, sans-serif";
+writeQuestion();
+writeAnswer();
+scenes.forEach(writeScene);
+writeProvenance();
+writeCommands();
+document.body.dataset.ready = "true";

@@ -1,0 +1,313 @@
+#include "page_data.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "version.h"
+
+/* One object or array under construction; `failed` once anything could not be added. */
+typedef struct builder {
+    const dl_results *results;
+    bool failed;
+} builder;
+
+static void put(builder *build, json_t *object, const char *key, json_t *value) {
+    if (!object || json_object_set_new(object, key, value) != 0)
+        build->failed = true;
+}
+
+static void append(builder *build, json_t *array, json_t *value) {
+    if (!array || json_array_append_new(array, value) != 0)
+        build->failed = true;
+}
+
+static json_t *real(double value) {
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *reals(builder *build, const double *values, size_t count) {
+    json_t *array = json_array();
+    for (size_t i = 0; values && i < count; i++)
+        append(build, array, real(values[i]));
+    return array;
+}
+
+/* Messages are cut to a buffer's size, perhaps inside a character: what is no UTF-8 becomes `?`. */
+static json_t *text(const char *value) {
+    if (!value)
+        return json_string("");
+    json_t *string = json_string(value);
+    if (string)
+        return string;
+    char *plain = strdup(value);
+    if (!plain)
+        return NULL;
+    for (char *c = plain; *c; c++)
+        if ((unsigned char)*c >= 0x80)
+            *c = '?';
+    string = json_string(plain);
+    free(plain);
+    return string;
+}
+
+/* Energies are shown relative to the scene's energy scale, momenta to their own. */
+static double relative(double value, double scale) {
+    return scale > 0 ? fabs(value) / scale : NAN;
+}
+
+/* Why the error is not drawn as a point, or "" where it is. `refused` may be NULL. */
+static const char *reason_not_drawn(const dl_run_summary *summary, const char *refused,
+                                    double shown, const char *missing) {
+    if (summary->status != DL_OK)
+        return summary->message[0] ? summary->message : dl_status_name(summary->status);
+    if (refused && refused[0])
+        return refused;
+    if (!isfinite(shown))
+        return missing;
+    if (shown <= 0)
+        return "the error is exactly 0, which has no place on a logarithmic axis";
+    if (!(summary->cpu_seconds > 0))
+        return "the run was too short for the clock";
+    return "";
+}
+
+typedef struct named_text {
+    const char *name;
+    size_t offset;
+} named_text;
+
+static void put_texts(builder *build, json_t *object, const void *source, const named_text *table,
+                      size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        char *value;
+        memcpy(&value, (const char *)source + table[i].offset, sizeof value);
+        put(build, object, table[i].name, text(value));
+    }
+}
+
+static void put_costs(builder *build, json_t *object, const dl_run_summary *summary) {
+    const struct {
+        const char *name;
+        unsigned long count;
+    } table[] = {
+        {"steps", summary->steps},
+        {"rejected_steps", summary->rejected_steps},
+        {"force_evaluations", summary->force_evaluations},
+        {"jacobian_evaluations", summary->jacobian_evaluations},
+        {"jacobian_vector_products", summary->jacobian_vector_products},
+        {"nonlinear_iterations", summary->nonlinear_iterations},
+        {"linear_iterations", summary->linear_iterations},
+        {"factorisations", summary->factorisations},
+        {"neighbour_list_builds", summary->neighbour_list_builds},
+        {"wall_hits", summary->wall_hits},
+    };
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+        put(build, object, table[i].name, json_integer((json_int_t)table[i].count));
+}
+
+static void put_errors(builder *build, json_t *object, const dl_case *cased) {
+    const dl_run_summary *summary = &cased->summary;
+    const struct {
+        const char *name;
+        double value;
+    } table[] = {
+        {"position_error", cased->position_error},
+        {"position_error_max", cased->position_error_max},
+        {"position_error_ever", cased->position_error_ever},
+        {"energy_error", relative(summary->energy_error_max, summary->energy_scale)},
+        {"energy_error_final", relative(summary->energy_error_final, summary->energy_scale)},
+        {"energy_scale", summary->energy_scale},
+        {"momentum_error", relative(summary->momentum_error_max, summary->momentum_scale)},
+        {"angular_momentum_error",
+         relative(summary->angular_momentum_error_max, summary->angular_momentum_scale)},
+        {"cpu_seconds", summary->cpu_seconds},
+        {"cpu_median", cased->cpu_median},
+        {"t_end_reached", summary->t_end_reached},
+    };
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+        put(build, object, table[i].name, real(table[i].value));
+}
+
+/* A refusal speaks of the position error alone: it needs the reference, the energy error does not.
+ */
+static json_t *reasons_not_drawn(builder *build, const dl_case *cased) {
+    const dl_run_summary *summary = &cased->summary;
+    const char *position = reason_not_drawn(summary, cased->refused, cased->position_error,
+                                            "there is no reference to compare it with");
+    const char *energy =
+        reason_not_drawn(summary, NULL, relative(summary->energy_error_max, summary->energy_scale),
+                         "its energy error was not measured");
+    json_t *reasons = json_object();
+    put(build, reasons, "position", text(position));
+    put(build, reasons, "energy", text(energy));
+    return reasons;
+}
+
+static size_t largest_energy_error(const dl_case *cased, size_t from, size_t to) {
+    size_t best = from;
+    for (size_t i = from + 1; cased->sample_energy_error && i < to; i++)
+        if (fabs(cased->sample_energy_error[i]) > fabs(cased->sample_energy_error[best]))
+            best = i;
+    return best;
+}
+
+/* {time, energy, position, stride}: every sample, or of `stride` neighbours the worst. */
+static json_t *samples(builder *build, const dl_case *cased) {
+    json_t *object = json_object(), *time = json_array();
+    json_t *energy = json_array(), *position = json_array();
+    size_t stride = (cased->samples + DL_PAGE_SAMPLES - 1) / DL_PAGE_SAMPLES;
+    for (size_t from = 0; cased->sample_time && from < cased->samples; from += stride) {
+        size_t to = from + stride < cased->samples ? from + stride : cased->samples;
+        size_t i = largest_energy_error(cased, from, to);
+        append(build, time, real(cased->sample_time[i]));
+        append(build, energy,
+               real(cased->sample_energy_error
+                        ? relative(cased->sample_energy_error[i], cased->summary.energy_scale)
+                        : NAN));
+        append(build, position,
+               real(cased->sample_position_error ? cased->sample_position_error[i] : NAN));
+    }
+    put(build, object, "time", time);
+    put(build, object, "energy", energy);
+    put(build, object, "position", position);
+    put(build, object, "stride", json_integer((json_int_t)stride));
+    return object;
+}
+
+static json_t *one_case(builder *build, const dl_case *cased) {
+    static const named_text texts[] = {
+        {"key", offsetof(dl_case, key)},         {"scene", offsetof(dl_case, scene)},
+        {"method", offsetof(dl_case, method)},   {"family", offsetof(dl_case, family)},
+        {"options", offsetof(dl_case, options)}, {"command", offsetof(dl_case, command)},
+        {"refused", offsetof(dl_case, refused)},
+    };
+    json_t *object = json_object();
+    put_texts(build, object, cased, texts, sizeof texts / sizeof *texts);
+    put(build, object, "status", text(dl_status_name(cased->summary.status)));
+    put(build, object, "message", text(cased->summary.message));
+    put(build, object, "repeats", json_integer((json_int_t)cased->repeats));
+    put_errors(build, object, cased);
+    put(build, object, "not_drawn", reasons_not_drawn(build, cased));
+    put_costs(build, object, &cased->summary);
+    put(build, object, "samples", samples(build, cased));
+    return object;
+}
+
+static json_t *reference_of(builder *build, const char *scene) {
+    const dl_reference *reference = dl_results_reference(build->results, scene);
+    if (!reference)
+        return json_null();
+    json_t *object = json_object();
+    put(build, object, "description", text(reference->description));
+    put(build, object, "error", real(reference->error));
+    put(build, object, "time", reals(build, reference->time, reference->samples));
+    put(build, object, "sample_error", reals(build, reference->sample_error, reference->samples));
+    return object;
+}
+
+/* `record` may be NULL: a scene that only cases name. */
+static json_t *one_scene(builder *build, const char *name, const dl_scene_record *record) {
+    static const named_text texts[] = {
+        {"source", offsetof(dl_scene_record, source)},
+        {"explain", offsetof(dl_scene_record, explain)},
+        {"text", offsetof(dl_scene_record, text)},
+    };
+    const dl_results *results = build->results;
+    json_t *object = json_object();
+    put(build, object, "name", text(name));
+    if (record)
+        put_texts(build, object, record, texts, sizeof texts / sizeof *texts);
+    put(build, object, "reference", reference_of(build, name));
+    const dl_case *best = NULL;
+    if (results->asked_error > 0)
+        best = dl_results_cheapest(results, name, results->asked_in, results->asked_error);
+    put(build, object, "cheapest",
+        best ? json_integer((json_int_t)(best - results->cased)) : json_null());
+    return object;
+}
+
+static bool has_scene(const json_t *scenes, const char *name) {
+    for (size_t i = 0; i < json_array_size(scenes); i++) {
+        const char *known = json_string_value(json_object_get(json_array_get(scenes, i), "name"));
+        if (known && strcmp(known, name) == 0)
+            return true;
+    }
+    return false;
+}
+
+static json_t *all_scenes(builder *build) {
+    const dl_results *results = build->results;
+    json_t *scenes = json_array();
+    for (size_t i = 0; i < results->scenes; i++) {
+        const dl_scene_record *record = &results->scene[i];
+        append(build, scenes, one_scene(build, record->name ? record->name : "", record));
+    }
+    for (size_t i = 0; i < results->cases; i++) {
+        const char *name = results->cased[i].scene ? results->cased[i].scene : "";
+        if (!has_scene(scenes, name))
+            append(build, scenes, one_scene(build, name, NULL));
+    }
+    return scenes;
+}
+
+static json_t *all_facts(builder *build) {
+    json_t *facts = json_array();
+    for (size_t i = 0; i < build->results->facts; i++) {
+        json_t *fact = json_object();
+        put(build, fact, "name", text(build->results->fact[i].name));
+        put(build, fact, "value", text(build->results->fact[i].value));
+        append(build, facts, fact);
+    }
+    return facts;
+}
+
+/* `<` stands only inside JSON's strings, where \u003c means the same: no </script>, no <!--. */
+static char *without_angle(const char *json) {
+    static const char escape[] = "\\u003c";
+    size_t angles = 0;
+    for (const char *c = json; *c; c++)
+        angles += *c == '<';
+    char *safe = malloc(strlen(json) + angles * (sizeof escape - 2) + 1);
+    if (!safe)
+        return NULL;
+    char *to = safe;
+    for (const char *c = json; *c; c++) {
+        if (*c == '<') {
+            memcpy(to, escape, sizeof escape - 1);
+            to += sizeof escape - 1;
+        } else {
+            *to++ = *c;
+        }
+    }
+    *to = '\0';
+    return safe;
+}
+
+dl_status dl_page_data(const dl_results *results, char **json, dl_error *error) {
+    static const named_text texts[] = {
+        {"study", offsetof(dl_results, study)},       {"title", offsetof(dl_results, title)},
+        {"kind", offsetof(dl_results, kind)},         {"question", offsetof(dl_results, question)},
+        {"asked_in", offsetof(dl_results, asked_in)},
+    };
+    builder build = {.results = results};
+    *json = NULL;
+    json_t *root = json_object(), *cases = json_array();
+    put_texts(&build, root, results, texts, sizeof texts / sizeof *texts);
+    put(&build, root, "version", text(DL_VERSION));
+    put(&build, root, "asked_error", real(results->asked_error));
+    put(&build, root, "facts", all_facts(&build));
+    put(&build, root, "scenes", all_scenes(&build));
+    for (size_t i = 0; i < results->cases; i++)
+        append(&build, cases, one_case(&build, &results->cased[i]));
+    put(&build, root, "cases", cases);
+
+    char *dumped = build.failed ? NULL : json_dumps(root, JSON_COMPACT);
+    if (dumped)
+        *json = without_angle(dumped);
+    free(dumped);
+    json_decref(root);
+    return *json ? DL_OK : dl_fail_memory(error, "the report's data");
+}

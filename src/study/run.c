@@ -1,0 +1,333 @@
+#include "driftlab/run.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "observe/observer.h"
+#include "observe/schedule.h"
+#include "observe/stopwatch.h"
+
+static const double default_energy_bound = 1e3;
+
+/* Limits, interrupts and progress are looked at every `steps` steps, a number that follows the
+ * speed of the run so that it happens about every 50 ms, but every step where steps are slow. */
+typedef struct pulse {
+    unsigned long steps, left;
+    double last; /* CPU clock */
+} pulse;
+
+static const double pulse_seconds = 0.05;
+
+typedef struct run {
+    const dl_run_options *options;
+    dl_model *model;
+    dl_method *method;
+    dl_observer *observer; /* NULL: integrate only */
+    double *y;             /* [2 * unknowns]: the state at the end */
+    dl_schedule schedule;
+    size_t steps_done; /* of a fixed step */
+    double energy_bound;
+    double began; /* CPU clock */
+    dl_stopwatch watch;
+    pulse pulse;
+    double sampled_at; /* time of the last sample; negative: none yet */
+    dl_run_summary *summary;
+} run;
+
+void dl_run_options_default(dl_run_options *options) {
+    *options = (dl_run_options){.observe = true, .energy_bound = default_energy_bound};
+}
+
+static void summary_clear(dl_run_summary *summary) {
+    *summary = (dl_run_summary){.energy_initial = NAN,
+                                .energy_final = NAN,
+                                .energy_scale = NAN,
+                                .energy_error_max = NAN,
+                                .energy_error_final = NAN,
+                                .ledger = NAN,
+                                .momentum_error_max = NAN,
+                                .angular_momentum_error_max = NAN,
+                                .momentum_scale = NAN,
+                                .angular_momentum_scale = NAN,
+                                .kinetic_energy_per_particle = NAN};
+}
+
+static void summary_fail(dl_run_summary *summary, dl_status status, const dl_error *error) {
+    summary->status = status;
+    memcpy(summary->message, error->message, sizeof summary->message);
+}
+
+/* --- limits --------------------------------------------------------------------------------- */
+
+static void pulse_adapt(pulse *beat, double now) {
+    const double elapsed = now - beat->last;
+    if (elapsed < 0.5 * pulse_seconds)
+        beat->steps *= 2;
+    else if (elapsed > 2 * pulse_seconds)
+        beat->steps = (unsigned long)fmax(1, (double)beat->steps * pulse_seconds / elapsed);
+    beat->left = beat->steps;
+    beat->last = now;
+}
+
+static dl_status check_limits(run *r, dl_error *error) {
+    const double now = dl_cpu_clock(), seconds = now - r->began;
+    const dl_run_options *options = r->options;
+    pulse_adapt(&r->pulse, now);
+    if (options->interrupt && *options->interrupt)
+        return dl_fail(error, DL_INTERRUPTED, "interrupted at t = %.10g of %.10g", r->method->t,
+                       r->schedule.end);
+    if (options->time_limit > 0 && seconds > options->time_limit)
+        return dl_fail(error, DL_TIMEOUT,
+                       "the limit of %.6g CPU seconds was reached at t = %.10g of %.10g",
+                       options->time_limit, r->method->t, r->schedule.end);
+    if (options->on_progress)
+        options->on_progress(options->progress_context, r->method->t / r->schedule.end, seconds);
+    return DL_OK;
+}
+
+/* --- walls ---------------------------------------------------------------------------------- */
+
+static dl_status mirror(run *r, dl_error *error) {
+    dl_method *method = r->method;
+    const size_t hits = dl_model_mirror(r->model, method->y, method->y + method->n);
+    r->summary->wall_hits += hits;
+    return hits ? dl_method_jumped(method, error) : DL_OK;
+}
+
+/* The same, booked; what the booking costs is not timed. */
+static dl_status mirror_observed(run *r, dl_error *error) {
+    if (!dl_model_outside(r->model, r->method->y))
+        return DL_OK;
+    dl_stopwatch_stop(&r->watch);
+    dl_status status = dl_observer_before_jump(r->observer, r->method, error);
+    dl_stopwatch_start(&r->watch);
+    if (status || (status = mirror(r, error)))
+        return status;
+    dl_stopwatch_stop(&r->watch);
+    status = dl_observer_after_jump(r->observer, r->method, error);
+    dl_stopwatch_start(&r->watch);
+    return status;
+}
+
+/* --- steps ---------------------------------------------------------------------------------- */
+
+/* What follows every step. */
+static inline dl_status after_step(run *r, dl_error *error) {
+    if (r->model->has_walls) {
+        const dl_status status = r->observer ? mirror_observed(r, error) : mirror(r, error);
+        if (status)
+            return status;
+    }
+    return --r->pulse.left ? DL_OK : check_limits(r, error);
+}
+
+static dl_status advance_steps(run *r, size_t target, dl_error *error) {
+    while (r->steps_done < target) {
+        dl_status status = dl_method_advance(r->method, r->schedule.end, error);
+        if (status)
+            return status;
+        r->steps_done++;
+        status = after_step(r, error);
+        if (status)
+            return status;
+    }
+    return DL_OK;
+}
+
+static dl_status advance_until(run *r, double time, dl_error *error) {
+    const double reached = time * (1 - 4 * DBL_EPSILON);
+    dl_method *method = r->method;
+    while (method->t < reached) {
+        const double before = method->t;
+        dl_status status = dl_method_advance(method, time, error);
+        if (!status && !(method->t > before))
+            status = dl_fail(error, DL_STEP_FAILURE, "the step became too small to move t = %.17g",
+                             before);
+        if (!status)
+            status = after_step(r, error);
+        if (status)
+            return status;
+    }
+    return DL_OK;
+}
+
+/* --- samples -------------------------------------------------------------------------------- */
+
+/* Not below `largest`, which is NaN before the first. */
+static double larger(double largest, double value) {
+    return largest > value ? largest : value;
+}
+
+static void summary_add_sample(dl_run_summary *summary, const dl_sample *sample, size_t moving) {
+    summary->energy_final = sample->energy.total;
+    summary->energy_error_final = fabs(sample->energy_error);
+    summary->energy_error_max = larger(summary->energy_error_max, summary->energy_error_final);
+    summary->ledger = sample->ledger;
+    summary->momentum_error_max = larger(summary->momentum_error_max, sample->momentum_error);
+    summary->angular_momentum_error_max =
+        larger(summary->angular_momentum_error_max, sample->angular_momentum_error);
+    summary->kinetic_energy_per_particle = sample->energy.kinetic / (double)moving;
+    summary->samples++;
+}
+
+static dl_status check_energy(const run *r, const dl_sample *sample, dl_error *error) {
+    const double relative = fabs(sample->energy_error) / r->summary->energy_scale;
+    if (!isfinite(relative))
+        return dl_fail(error, DL_UNSTABLE, "the energy is no longer finite at t = %.10g",
+                       sample->time);
+    if (relative > r->energy_bound)
+        return dl_fail(error, DL_UNSTABLE,
+                       "the energy error at t = %.10g is %.6g times the energy scale (bound %.6g)",
+                       sample->time, relative, r->energy_bound);
+    return DL_OK;
+}
+
+static dl_status take_sample(run *r, double time, dl_error *error) {
+    if (!r->observer)
+        return DL_OK;
+    dl_method_stats stats = {0};
+    dl_method_stats_get(r->method, &stats);
+    dl_sample sample = {.index = r->summary->samples, .step = stats.steps};
+    dl_status status = dl_observer_sample(r->observer, r->method, time, &sample, error);
+    if (!status)
+        status = check_energy(r, &sample, error);
+    if (status)
+        return status;
+    r->sampled_at = time;
+    summary_add_sample(r->summary, &sample, r->model->moving);
+    return r->options->on_sample ? r->options->on_sample(r->options->context, &sample, error)
+                                 : DL_OK;
+}
+
+static dl_status begin_observing(run *r, dl_error *error) {
+    if (!r->observer)
+        return DL_OK;
+    const dl_status status = dl_observer_begin(r->observer, r->method, r->summary, error);
+    if (status)
+        return status;
+    r->summary->energy_initial = dl_observer_initial_energy(r->observer);
+    return take_sample(r, 0, error);
+}
+
+/* --- the loop ------------------------------------------------------------------------------- */
+
+static dl_status integrate(run *r, dl_error *error) {
+    dl_status status = DL_OK;
+    for (size_t sample = 1; !status && sample <= r->schedule.samples; sample++) {
+        const double time = dl_schedule_time(&r->schedule, sample);
+        dl_stopwatch_start(&r->watch);
+        status = r->schedule.steps ? advance_steps(r, dl_schedule_step(&r->schedule, sample), error)
+                                   : advance_until(r, time, error);
+        dl_stopwatch_stop(&r->watch);
+        if (!status)
+            status = take_sample(r, time, error);
+    }
+    return status;
+}
+
+/* A run that ended before its time still tells its last state, where that is one. */
+static void sample_last_state(run *r) {
+    dl_error unimportant;
+    if (r->sampled_at >= 0 && r->method->t > r->sampled_at * (1 + 1e-12))
+        (void)take_sample(r, r->method->t, &unimportant);
+}
+
+static void summarise(run *r) {
+    dl_run_summary *summary = r->summary;
+    dl_method_stats stats = {0};
+    dl_method_stats_get(r->method, &stats);
+    summary->t_end_reached = summary->status ? r->method->t : r->schedule.end;
+    summary->step = r->method->step;
+    summary->steps = stats.steps;
+    summary->rejected_steps = stats.rejected;
+    summary->nonlinear_iterations = stats.nonlinear_iterations;
+    summary->linear_iterations = stats.linear_iterations;
+    summary->factorisations = stats.factorisations;
+    summary->force_evaluations = r->model->counts.force;
+    summary->jacobian_evaluations = r->model->counts.jacobian;
+    summary->jacobian_vector_products = r->model->counts.jacobian_vector;
+    summary->neighbour_list_builds = dl_model_list_builds(r->model);
+    summary->cpu_seconds = r->watch.total;
+}
+
+static void run_to_end(run *r) {
+    dl_error error = {""};
+    r->began = dl_cpu_clock();
+    r->pulse = (pulse){.steps = 1, .left = 1, .last = r->began};
+    r->sampled_at = -1;
+    dl_status status = begin_observing(r, &error);
+    if (!status)
+        status = integrate(r, &error);
+    if (status) {
+        summary_fail(r->summary, status, &error);
+        sample_last_state(r);
+    }
+    summarise(r);
+}
+
+/* NaN where the last state is none. */
+static void final_state(run *r, double *y_final, dl_error *error) {
+    const dl_status status = dl_method_state(r->method, r->y, error);
+    if (!status) {
+        dl_model_expand(r->model, r->y, y_final);
+        return;
+    }
+    if (!r->summary->status)
+        summary_fail(r->summary, status, error);
+    for (size_t k = 0; k < 2 * (size_t)r->model->dimension * r->model->particles; k++)
+        y_final[k] = NAN;
+}
+
+/* --- set-up --------------------------------------------------------------------------------- */
+
+static dl_status create_parts(run *r, const dl_scene *scene, const dl_method_row *row,
+                              const void *options, dl_error *error) {
+    dl_status status = dl_model_create(scene, &r->model, error);
+    if (status)
+        return status;
+    r->y = malloc(2 * r->model->unknowns * sizeof *r->y);
+    if (!r->y)
+        return dl_fail_memory(error, "the state of a run");
+    dl_model_initial_state(r->model, r->y);
+    status = dl_method_create(row, r->model, options, r->y, &r->method, error);
+    if (!status && r->options->observe)
+        status = dl_observer_create(scene, &r->observer, error);
+    if (status)
+        return status;
+    const double end = r->options->end != 0 ? r->options->end : scene->end;
+    const double interval = r->options->sample != 0 ? r->options->sample : scene->sample;
+    return dl_schedule_create(end, interval, r->method->step, &r->schedule, error);
+}
+
+/* A method that cannot even take the initial state (its force is not finite ...) has failed as it
+ * might have later; everything else means that the run was not started. */
+static bool is_method_failure(dl_status status) {
+    return status == DL_UNSTABLE || status == DL_NONLINEAR_FAILURE || status == DL_STEP_FAILURE;
+}
+
+dl_status dl_run(const dl_scene *scene, const dl_method_row *row, const void *options,
+                 const dl_run_options *run_options, dl_run_summary *summary, double *y_final,
+                 dl_error *error) {
+    run r = {.options = run_options, .summary = summary};
+    dl_error own = {""};
+    r.energy_bound =
+        run_options->energy_bound > 0 ? run_options->energy_bound : default_energy_bound;
+    summary_clear(summary);
+    dl_status status = create_parts(&r, scene, row, options, &own);
+    if (!status) {
+        run_to_end(&r);
+        if (y_final)
+            final_state(&r, y_final, &own);
+    } else if (is_method_failure(status)) {
+        summary_fail(summary, status, &own);
+        summary->t_end_reached = 0;
+        status = DL_OK;
+    }
+    dl_method_destroy(r.method);
+    dl_observer_free(r.observer);
+    dl_model_free(r.model);
+    free(r.y);
+    return status ? dl_fail(error, status, "%s", own.message) : DL_OK;
+}

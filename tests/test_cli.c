@@ -1,0 +1,357 @@
+/* The program as its users and other programs meet it: output, exit status, files. */
+#include "fixture_runs.h"
+
+#include <jansson.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+#include "driftlab/trajectory.h"
+
+#define DROP DL_STUDIES "/drop/drop.yaml"
+
+static char folder[] = "/tmp/driftlab-cli-XXXXXX";
+
+static int make_folder(void **state) {
+    (void)state;
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int remove_folder(void **state) {
+    (void)state;
+    char command[128];
+    snprintf(command, sizeof command, "rm -r %s", folder);
+    return system(command);
+}
+
+typedef struct outcome {
+    int exit;
+    char out[200000], err[4000];
+} outcome;
+
+static void read_file(const char *name, char *text, size_t size) {
+    char path[128];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    text[fread(text, 1, size - 1, file)] = '\0';
+    fclose(file);
+}
+
+/* `driftlab ARGUMENTS` in the folder of this test. */
+static outcome *driftlab(const char *arguments) {
+    static outcome last;
+    char command[2000];
+    snprintf(command, sizeof command, "cd %s && %s %s >.out 2>.err", folder, DL_PROGRAM, arguments);
+    const int status = system(command);
+    assert_true(WIFEXITED(status));
+    last.exit = WEXITSTATUS(status);
+    read_file(".out", last.out, sizeof last.out);
+    read_file(".err", last.err, sizeof last.err);
+    return &last;
+}
+
+static bool in_folder(const char *name) {
+    char path[128];
+    struct stat found;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return stat(path, &found) == 0;
+}
+
+static size_t lines_of(const char *text) {
+    size_t count = 0;
+    for (; *text; text++)
+        count += *text == '\n';
+    return count;
+}
+
+static json_t *object_of(const char *arguments, int exit) {
+    const outcome *o = driftlab(arguments);
+    if (o->exit != exit)
+        fail_msg("%s: exit %d: %s", arguments, o->exit, o->err);
+    json_error_t where;
+    json_t *root = json_loads(o->out, 0, &where);
+    if (!root)
+        fail_msg("%s: %s", arguments, where.text);
+    return root;
+}
+
+static double real_of(const json_t *root, const char *name) {
+    const json_t *value = json_object_get(root, name);
+    if (!json_is_real(value))
+        fail_msg("%s is no real", name);
+    return json_real_value(value);
+}
+
+static json_int_t count_of(const json_t *root, const char *name) {
+    const json_t *value = json_object_get(root, name);
+    if (!json_is_integer(value))
+        fail_msg("%s is no integer", name);
+    return json_integer_value(value);
+}
+
+static const char *text_of(const json_t *root, const char *name) {
+    const json_t *value = json_object_get(root, name);
+    if (!json_is_string(value))
+        fail_msg("%s is no string", name);
+    return json_string_value(value);
+}
+
+/* --- help and lists ------------------------------------------------------------------------- */
+
+static void expect_text(const char *arguments, const char *words) {
+    const outcome *o = driftlab(arguments);
+    if (o->exit != 0 || o->err[0])
+        fail_msg("driftlab %s: exit %d: %s", arguments, o->exit, o->err);
+    if (!strstr(o->out, words))
+        fail_msg("driftlab %s does not say \"%s\" but:\n%s", arguments, words, o->out);
+}
+
+static void help_everywhere(void **state) {
+    (void)state;
+    expect_text("--help", "usage: driftlab COMMAND");
+    expect_text("help", "usage: driftlab COMMAND");
+    static const char *const commands[] = {"run", "study", "report", "explain", "list", "help"};
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        char arguments[32], words[48];
+        snprintf(words, sizeof words, "usage: driftlab %s", commands[i]);
+        snprintf(arguments, sizeof arguments, "%s --help", commands[i]);
+        expect_text(arguments, words);
+        expect_text("--help", commands[i]);
+    }
+    expect_text("help run", "--time-limit S");
+    expect_text("help scene", "pair_law");
+    expect_text("help study", "cases");
+    expect_text("help method leapfrog", "TR323");
+    expect_text("--version", "driftlab ");
+    expect_text("--version", "SUNDIALS");
+    expect_text("--version", "HDF5");
+    expect_text("explain " DROP, "neighbour");
+    expect_text("list kernels", "neighbour-list");
+    expect_text("list statuses", "nonlinear-failure");
+    assert_int_equal(driftlab("")->exit, 2);
+}
+
+static void lists_every_method(void **state) {
+    (void)state;
+    json_t *list = object_of("list methods --json", 0);
+    assert_int_equal(json_array_size(list), dl_method_count());
+    for (size_t i = 0; i < dl_method_count(); i++) {
+        const dl_method_row *row = dl_method_row_at(i);
+        const json_t *method = json_array_get(list, i);
+        assert_string_equal(text_of(method, "name"), row->name);
+        assert_int_equal(count_of(method, "order"), row->order);
+        assert_true(json_array_size(json_object_get(method, "properties")) > 0);
+        const json_t *options = json_object_get(method, "options");
+        assert_int_equal(json_array_size(options), row->options.count);
+        expect_text("list methods", row->name);
+        expect_text("list methods", row->doc);
+    }
+    json_decref(list);
+}
+
+/* --- bad input ------------------------------------------------------------------------------ */
+
+static void bad_input_writes_nothing(void **state) {
+    (void)state;
+    static const struct {
+        const char *arguments, *words;
+    } cases[] = {
+        {"rnu", "did you mean \"run\"?"},
+        {"run --method leapfrog", "found nothing, expected SCENE"},
+        {"run nowhere.yaml --method leapfrog --out a.h5", "nowhere.yaml"},
+        {"run " DROP " --out a.h5", "--method"},
+        {"run " DROP " --method leapforg --out a.h5", "did you mean \"leapfrog\"?"},
+        {"run " DROP " --method leapfrog --out a.h5 --dt fast", "--dt: step: found \"fast\""},
+        {"run " DROP " --method leapfrog --out a.h5 --dt -1", "expected a number > 0"},
+        {"run " DROP " --method leapfrog --out a.h5 --dt 7e-4",
+         "end: found 0.0823, expected a whole number of steps"},
+        {"run " DROP " --method leapfrog --out a.h5 --sample 1.5e-4", "sample: found 0.00015"},
+        {"run " DROP " --method leapfrog --out a.h5 --t-end x", "--t-end: found \"x\""},
+        {"run " DROP " --method leapfrog --out a.h5 --t-end", "--t-end: found nothing"},
+        {"run " DROP " --method leapfrog --out a.h5 --rtol 1e-6", "--rtol: method leapfrog"},
+        {"run " DROP " --method leapfrog --out a.h5 --set stp=1", "did you mean \"step\"?"},
+        {"run " DROP " --method leapfrog --out a.h5 --set step", "expected KEY=VALUE"},
+        {"run " DROP " --metod leapfrog --out a.h5", "did you mean \"--method\"?"},
+        {"run " DROP " --method leapfrog --json=yes", "expected no value"},
+        {"run " DROP " again --method leapfrog", "found \"again\" after SCENE"},
+        {"run " DROP " -x --method leapfrog", "unknown option -x"},
+        {"run " DROP " --method leapfrog --start none.h5 --out a.h5", "none.h5"},
+        {"run " DROP " --method leapfrog --start " DROP " --out a.h5", "no HDF5 file"},
+        {"list method", "did you mean \"methods\"?"},
+        {"help sceen", "did you mean \"scene\"?"},
+        {"help method leapforg", "did you mean \"leapfrog\"?"},
+        {"explain nowhere.yaml", "nowhere.yaml"},
+        {"study nowhere.yaml", "nowhere.yaml"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const outcome *o = driftlab(cases[i].arguments);
+        if (o->exit != 2 || o->out[0] || lines_of(o->err) != 1 || !strstr(o->err, cases[i].words) ||
+            strncmp(o->err, "driftlab: ", 10) != 0)
+            fail_msg("driftlab %s: exit %d, stdout \"%.80s\", stderr \"%s\", expected \"%s\"",
+                     cases[i].arguments, o->exit, o->out, o->err, cases[i].words);
+        assert_false(in_folder("a.h5"));
+    }
+}
+
+/* --- run ------------------------------------------------------------------------------------ */
+
+static void json_is_the_summary(void **state) {
+    (void)state;
+    json_t *root = object_of("run " DROP " --method leapfrog --t-end 0.02 --json", 0);
+    dl_scene *scene = read_scene(DROP);
+    const dl_run_options how = run_options(0.02, 0);
+    finished run = run_with(scene, method_of("leapfrog"), "", &how);
+    const dl_run_summary *s = &run.summary;
+    assert_string_equal(text_of(root, "scene"), "drop-mass-10");
+    assert_string_equal(text_of(root, "method"), "leapfrog");
+    assert_string_equal(text_of(root, "status"), "ok");
+    assert_string_equal(text_of(root, "message"), "");
+    assert_true(real_of(json_object_get(root, "options"), "step") == 1e-4);
+    /* 17 digits give back every bit. */
+    assert_true(real_of(root, "energy_initial") == s->energy_initial);
+    assert_true(real_of(root, "energy_final") == s->energy_final);
+    assert_true(real_of(root, "energy_scale") == s->energy_scale);
+    assert_true(real_of(root, "energy_error_max") == s->energy_error_max);
+    assert_true(real_of(root, "energy_error_final") == s->energy_error_final);
+    assert_true(real_of(root, "ledger") == s->ledger && s->ledger > 0);
+    assert_true(real_of(root, "momentum_error_max") == s->momentum_error_max);
+    assert_true(real_of(root, "momentum_scale") == s->momentum_scale);
+    assert_true(real_of(root, "kinetic_energy_per_particle") == s->kinetic_energy_per_particle);
+    assert_true(real_of(root, "t_end_reached") == 0.02);
+    assert_true(real_of(root, "cpu_seconds") > 0);
+    /* Walls and gravity: no angular momentum to conserve, and no NaN in JSON. */
+    assert_true(json_is_null(json_object_get(root, "angular_momentum_error_max")));
+    assert_int_equal(count_of(root, "steps"), 200);
+    assert_int_equal(count_of(root, "samples"), s->samples);
+    assert_int_equal(count_of(root, "force_evaluations"), s->force_evaluations);
+    assert_int_equal(count_of(root, "jacobian_evaluations"), 0);
+    assert_int_equal(count_of(root, "nonlinear_iterations"), 0);
+    assert_int_equal(count_of(root, "wall_hits"), s->wall_hits);
+    json_decref(root);
+    free(run.y);
+    dl_scene_free(scene);
+}
+
+static void table_for_people(void **state) {
+    (void)state;
+    const outcome *o = driftlab("run " DROP " --method leapfrog --t-end 0.01 --dt=5e-5");
+    assert_int_equal(o->exit, 0);
+    assert_string_equal(o->err, ""); /* no progress where nobody looks */
+    assert_non_null(strstr(o->out, "drop-mass-10 with leapfrog step=5e-05\n"));
+    assert_non_null(strstr(o->out, "steps                      200\n"));
+    assert_null(strstr(o->out, "nan"));
+    assert_null(strstr(o->out, "Jacobian"));
+}
+
+static void dt_is_the_option_step(void **state) {
+    (void)state;
+    json_t *a = object_of("run " DROP " --method leapfrog --t-end 0.01 --dt 5e-5 --json", 0);
+    json_t *b = object_of("run --set step=5e-5 --method leapfrog --t-end 0.01 --json " DROP, 0);
+    assert_true(json_equal(json_object_get(a, "options"), json_object_get(b, "options")));
+    assert_true(real_of(a, "energy_final") == real_of(b, "energy_final"));
+    json_decref(a);
+    json_decref(b);
+}
+
+static void failed_run_is_told_twice(void **state) {
+    (void)state;
+    json_t *root =
+        object_of("run " DROP " --method leapfrog --dt 0.01 --t-end 1 --sample 0.1 --json", 1);
+    assert_string_equal(text_of(root, "status"), "unstable");
+    assert_non_null(strstr(text_of(root, "message"), "energy"));
+    char words[2000];
+    read_file(".err", words, sizeof words);
+    assert_non_null(strstr(words, text_of(root, "message")));
+    json_decref(root);
+    root = object_of("run " DROP " --method leapfrog --t-end 1e5 --time-limit 0.1 --json", 1);
+    assert_string_equal(text_of(root, "status"), "timeout");
+    assert_true(real_of(root, "t_end_reached") < 1e5);
+    json_decref(root);
+}
+
+static double *last_frame(const dl_scene *scene, const char *name) {
+    char path[128];
+    double *y_all = NULL, time = 0;
+    dl_error error = {""};
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    if (dl_trajectory_read_last(path, scene, &y_all, &time, &error))
+        fail_msg("%s", error.message);
+    return y_all;
+}
+
+static void start_goes_on(void **state) {
+    (void)state;
+    static const char stream[] = DL_STUDIES "/stream/stream.yaml";
+    dl_scene *scene = read_scene(stream);
+    char arguments[600];
+    static const char *const runs[] = {"--t-end 0.4 --out whole.h5", "--t-end 0.2 --out half.h5",
+                                       "--t-end 0.2 --start half.h5 --out rest.h5"};
+    for (size_t i = 0; i < 3; i++) {
+        snprintf(arguments, sizeof arguments, "run %s --method composition-2-verlet %s", stream,
+                 runs[i]);
+        assert_int_equal(driftlab(arguments)->exit, 0);
+    }
+    double *whole = last_frame(scene, "whole.h5"), *half = last_frame(scene, "half.h5"),
+           *rest = last_frame(scene, "rest.h5");
+    const size_t size = 4 * scene->particles * sizeof *whole;
+    assert_memory_equal(whole, rest, size);
+    assert_memory_not_equal(whole, half, size);
+    free(whole);
+    free(half);
+    free(rest);
+    dl_scene_free(scene);
+}
+
+static void writing_that_fails(void **state) {
+    (void)state;
+    const outcome *o = driftlab("run " DROP " --method leapfrog --out nowhere/a.h5");
+    assert_int_equal(o->exit, 3);
+    assert_string_equal(o->out, "");
+    assert_non_null(strstr(o->err, "nowhere/a.h5"));
+    /* A limit on file size stands for a full disk. */
+    char command[1000];
+    snprintf(command, sizeof command,
+             "cd %s && (ulimit -f 100; %s run " DROP
+             " --method leapfrog --out full.h5 2>&1) | grep -q 'File too large'",
+             folder, DL_PROGRAM);
+    assert_int_equal(system(command), 0);
+    assert_false(in_folder("full.h5"));
+    snprintf(command, sizeof command,
+             "%s run " DROP " --method leapfrog --t-end 1e-3 >/dev/full 2>/dev/null", DL_PROGRAM);
+    assert_int_equal(WEXITSTATUS(system(command)), 3);
+}
+
+static void signal_stops_cleanly(void **state) {
+    (void)state;
+    static const char *const signals[] = {"INT", "TERM"};
+    dl_scene *scene = read_scene(DROP);
+    for (size_t i = 0; i < 2; i++) {
+        char command[1000];
+        snprintf(command, sizeof command,
+                 "cd %s && rm -f stopped.h5 && { %s run " DROP
+                 " --method leapfrog --t-end 1e5 --sample 10 --json --out stopped.h5 >.out 2>.err &"
+                 " sleep 1; kill -%s $!; wait $!; }",
+                 folder, DL_PROGRAM, signals[i]);
+        assert_int_equal(WEXITSTATUS(system(command)), 130);
+        char text[4000];
+        read_file(".out", text, sizeof text);
+        json_t *root = json_loads(text, 0, NULL);
+        assert_non_null(root);
+        assert_string_equal(text_of(root, "status"), "interrupted");
+        json_decref(root);
+        double *y_all = last_frame(scene, "stopped.h5"); /* the trajectory is kept */
+        free(y_all);
+    }
+    dl_scene_free(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(help_everywhere),          cmocka_unit_test(lists_every_method),
+        cmocka_unit_test(bad_input_writes_nothing), cmocka_unit_test(json_is_the_summary),
+        cmocka_unit_test(table_for_people),         cmocka_unit_test(dt_is_the_option_step),
+        cmocka_unit_test(failed_run_is_told_twice), cmocka_unit_test(start_goes_on),
+        cmocka_unit_test(writing_that_fails),       cmocka_unit_test(signal_stops_cleanly),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

@@ -1,0 +1,174 @@
+#!/bin/bash
+# The report in a real browser: every chart holds the points that the results have, the table every
+# case, nothing throws, nothing overlaps or is wider than the window, and the controls work.
+#
+#     test_report_browser.sh DRIFTLAB      (test_report, built beside it, fabricates the studies)
+set -euo pipefail
+
+program=$1
+fabricate=$(dirname "$program")/test_report
+chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
+if [ -z "$chromium" ]; then
+    echo "SKIPPED: chromium is not installed (Debian: apt install chromium)"
+    exit 0
+fi
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+"$fabricate" "$work"
+
+fail() {
+    echo "FAIL: $*" >&2
+    exit 1
+}
+
+browse() { # HTML OPTION...
+    local page=$1
+    shift
+    timeout 120 "$chromium" --headless --no-sandbox --disable-gpu --no-first-run \
+        --disable-background-networking --disable-component-update --disable-sync \
+        --disable-dev-shm-usage --hide-scrollbars --user-data-dir="$work/profile" \
+        --virtual-time-budget=20000 --window-size=1280,900 "$@" "file://$page" 2> "$work/log"
+}
+
+# Looks at the page after it is drawn, uses its controls and tells the frame around it what it saw.
+cat > "$work/probe.js" <<'PROBE'
+addEventListener("load", () => {
+  const seen = {};
+  const all = selector => [...document.querySelectorAll(selector)];
+  const points = name => all(`canvas[data-chart=${name}]`).map(canvas => canvas.dataset.points);
+  const first = name => Number(points(name)[0] || 0);
+  const inked = canvas => {
+    const {data} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let ink = 0;
+    for (let i = 0; i < data.length; i += 4)
+      if (data[i + 3] > 200 && Math.min(data[i], data[i + 1], data[i + 2]) < 100) ink++;
+    return ink;
+  };
+  const overlapping = axis => {
+    const {ctx} = axis.chart;
+    ctx.font = Chart.helpers.toFont(axis.options.ticks.font).string;
+    const size = tick => (axis.isHorizontal() ? ctx.measureText(tick.label).width : 12);
+    const order = axis.ticks.map((tick, i) => [axis.getPixelForTick(i), size(tick)])
+      .sort((a, b) => a[0] - b[0]);
+    return order.some(([at, room], i) => i && at - order[i - 1][0] < (room + order[i - 1][1]) / 2);
+  };
+  seen.cases = all("table.cases tbody tr").length;
+  seen.keys = new Set(all("table.cases tbody tr").map(row => row.dataset.key)).size;
+  seen.scenes = all("section.scene").length;
+  seen.cpu = first("cpu");
+  seen.force = first("force");
+  seen.time = first("time");
+  seen.wide = document.documentElement.scrollWidth > innerWidth ? 1 : 0;
+  seen.missing = all("#scene-1 .missing tr").length;
+  seen.blank = all("canvas[data-chart]").filter(
+    canvas => Number(canvas.dataset.points) > 0 && inked(canvas) < 200).length;
+  seen.overlaps = all("canvas[data-chart]").map(canvas => Chart.getChart(canvas)).filter(Boolean)
+    .filter(chart => overlapping(chart.scales.x) || overlapping(chart.scales.y)).length;
+  for (const metric of ["position", "energy"]) {
+    const choice = document.querySelector(`#scene-1 input[value=${metric}]`);
+    if (choice) choice.click();
+    seen[metric] = first("cpu");
+  }
+  const line = document.querySelector("#scene-1 .legend button");
+  if (line) line.click();
+  seen.hidden = seen.energy - first("cpu");
+  if (line) line.click();
+  seen.shown = first("cpu");
+  const heading = all("#scene-1 .cases th").find(cell => cell.textContent.startsWith("CPU time"));
+  if (heading) heading.querySelector("button").click();
+  const column = heading ? [...heading.parentNode.children].indexOf(heading) : 0;
+  const sorted = all("#scene-1 .cases tbody tr").map(row => Number(row.children[column].title));
+  seen.unsorted = sorted.filter((value, i) => i && value < sorted[i - 1]).length;
+  const choose = (list, index) => {
+    list.selectedIndex = index;
+    list.dispatchEvent(new Event("change"));
+  };
+  const [error, lines] = all("#scene-1 .controls select");
+  const picker = document.querySelector("#scene-1 .pickers select");
+  if (lines) {
+    choose(picker, 0);
+    seen.without = first("time");
+    choose(error, 0);
+    seen.over = first("time");
+    choose(error, 1);
+    choose(lines, 1);
+    seen.every = first("time");
+  }
+  const chart = Chart.getChart(document.querySelector("canvas[data-chart=cpu]") || "none");
+  if (chart && chart.data.datasets.length) {
+    chart.tooltip.setActiveElements([{datasetIndex: 0, index: 0}], {x: 0, y: 0});
+    chart.update("none");
+    seen.tooltip = chart.tooltip.title.concat(chart.tooltip.body.flatMap(part => part.lines)).length;
+  }
+  seen.width = innerWidth;
+  const {ready, errors} = document.body.dataset;
+  const told = Object.entries(seen).map(pair => pair.join("=")).join(" ");
+  parent.postMessage(errors ? "error: " + errors : ready ? told : "not drawn to its end", "*");
+});
+PROBE
+
+# A frame of its own is as narrow as asked; a window is never narrower than 500 pixels.
+look() { # NAME WIDTH: sets `found` to what the probe saw
+    local probed=$work/$1-probed.html frame=$work/frame.html
+    { sed '/^<\/body>$/,$d' "$work/$1.html"; echo "<script>"; cat "$work/probe.js"
+      echo "</script></body></html>"; } > "$probed"
+    cat > "$frame" <<FRAME
+<!DOCTYPE html><title>nothing seen</title>
+<script>addEventListener("message", event => { document.title = "seen: " + event.data; });</script>
+<iframe src="$1-probed.html" style="width: $2px; height: 900px; border: 0"></iframe>
+FRAME
+    browse "$frame" --dump-dom > "$work/dom" || fail "$1: no browser: $(tail -3 "$work/log")"
+    found=$(sed -n 's/.*<title>\(.*\)<\/title>.*/\1/p' "$work/dom")
+    echo "$1 at $2 px: $found"
+    [[ $found == "seen: cases="* ]] || fail "$1 at $2 px: $found"
+}
+
+value() { # LIST KEY
+    [[ " $1 " =~ \ $2=([^ ]*)\  ]] || fail "no $2 in: $1"
+    echo "${BASH_REMATCH[1]}"
+}
+
+same() { # WHAT KEY EXPECTED
+    local seen
+    seen=$(value "$found" "$2")
+    [ "$seen" = "$3" ] || fail "$1: $2 is $seen, not $3"
+}
+
+for study in study one failed many empty; do
+    expected=$(cat "$work/$study.expect")
+    position=$(value "$expected" position)
+    energy=$(value "$expected" energy)
+    for width in 1280 400; do
+        look $study $width
+        same $study width $width
+        same $study cases "$(value "$expected" cases)"
+        same $study keys "$(value "$expected" cases)"
+        same $study scenes "$(value "$expected" scenes)"
+        same $study position "$position"
+        same $study energy "$energy"
+        same $study shown "$energy"
+        same $study cpu "$(value "$found" force)"
+        for never in wide blank overlaps unsorted; do same $study $never 0; done
+        case $study in
+        study)
+            same study hidden 4 # leap-frog: five cases, one of which failed
+            same study cpu "$position"
+            same study time 500 # ten methods, 51 samples each, an error of 0 at the start
+            same study without 450 # one method fewer
+            same study over 500    # its position errors, and the reference's own in their midst
+            same study every 250   # all five cases of leap-frog
+            same study tooltip 7   # method, options, error, CPU, forces, steps, status
+            same study missing $((50 - position)) ;;
+        many)
+            same many hidden 12
+            same many cpu "$energy" # asked in energy
+            same many time 1250 ;;
+        failed) same failed missing 10 ;;
+        esac
+    done
+done
+browse "$work/study.html" --screenshot="$work/study.png" > /dev/null ||
+    fail "no picture: $(tail -3 "$work/log")"
+[ "$(head -c 4 "$work/study.png" | tail -c 3)" = PNG ] || fail "the picture is no PNG"
+echo "ok"
