@@ -54,7 +54,7 @@ static int fixed_point_map(N_Vector u, N_Vector image, void *user_data) {
     const int answer =
         apply_map(solver, N_VGetArrayPointer(u), N_VGetArrayPointer(image), &residual);
     if (answer)
-        return answer;
+        return -1; /* KINSOL's fixed point goes on after a positive answer */
     if (is_at_roundoff(solver, residual)) /* KINSOL stops where the map leaves u as it is */
         N_VScale(1, u, image);
     else

@@ -1,0 +1,171 @@
+#include "methods/registry.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const dl_method_row *const rows[] = {
+#define DL_METHOD_ADDRESS(symbol) &dl_method_##symbol,
+    DL_METHODS(DL_METHOD_ADDRESS)
+#undef DL_METHOD_ADDRESS
+};
+
+enum { row_count = sizeof rows / sizeof *rows };
+
+/* --- look-up -----------------------------------------------------------------------------------
+ */
+
+size_t dl_method_count(void) {
+    return row_count;
+}
+
+const dl_method_row *dl_method_row_at(size_t index) {
+    return index < row_count ? rows[index] : NULL;
+}
+
+dl_status dl_method_find(const char *name, const dl_method_row **row, dl_error *error) {
+    const char *names[row_count + 1] = {NULL};
+    for (size_t i = 0; i < row_count; i++) {
+        names[i] = rows[i]->name;
+        if (strcmp(names[i], name) == 0) {
+            *row = rows[i];
+            return DL_OK;
+        }
+    }
+    *row = NULL;
+    char shown[80];
+    dl_quote(name, shown, sizeof shown);
+    const char *const closest = dl_closest_word(names, name);
+    if (closest)
+        return dl_fail(error, DL_INPUT, "no method is called %s; did you mean \"%s\"?", shown,
+                       closest);
+    return dl_fail(error, DL_INPUT, "no method is called %s (see: driftlab list methods)", shown);
+}
+
+/* --- options -----------------------------------------------------------------------------------
+ */
+
+/* "step" without a default of its own is the scene's. */
+static void step_from_scene(const dl_method_row *row, const dl_scene *scene, void *options) {
+    const dl_parameter *const step = dl_parameter_find(row->options, "step");
+    if (step && !step->fallback)
+        *(double *)(void *)((char *)options + step->offset) = scene->step;
+}
+
+dl_status dl_method_options_create(const dl_method_row *row, const dl_scene *scene, void **options,
+                                   dl_error *error) {
+    *options = calloc(1, row->options_size);
+    if (!*options)
+        return dl_fail_memory(error, "the options of a method");
+    const dl_status status = dl_parameter_defaults(row->options, *options, error);
+    if (status) {
+        dl_method_options_free(row, *options);
+        *options = NULL;
+        return status;
+    }
+    step_from_scene(row, scene, *options);
+    return DL_OK;
+}
+
+dl_status dl_method_options_set(const dl_method_row *row, void *options, const char *key,
+                                const char *value, dl_error *error) {
+    const dl_parameter *const parameter = dl_parameter_find(row->options, key);
+    if (parameter)
+        return dl_parameter_set(parameter, options, value, error);
+    char shown[80];
+    dl_quote(key, shown, sizeof shown);
+    const char *const closest = dl_parameter_closest(row->options, key);
+    if (closest)
+        return dl_fail(error, DL_INPUT, "method %s has no option %s; did you mean \"%s\"?",
+                       row->name, shown, closest);
+    char known[256] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < row->options.count && used < sizeof known; i++)
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "",
+                                 row->options.rows[i].name);
+    return dl_fail(error, DL_INPUT, "method %s has no option %s; it has: %s", row->name, shown,
+                   known);
+}
+
+void dl_method_options_format(const dl_method_row *row, const void *options, char *text,
+                              size_t size) {
+    size_t used = 0;
+    if (size)
+        text[0] = '\0';
+    for (size_t i = 0; i < row->options.count && used < size; i++) {
+        char value[128];
+        dl_parameter_format(&row->options.rows[i], options, value, sizeof value);
+        used += (size_t)snprintf(text + used, size - used, "%s%s=%s", i ? " " : "",
+                                 row->options.rows[i].name, value);
+    }
+}
+
+void dl_method_options_free(const dl_method_row *row, void *options) {
+    if (!options)
+        return;
+    dl_parameter_release(row->options, options);
+    free(options);
+}
+
+/* --- methods at work ---------------------------------------------------------------------------
+ */
+
+/* Numbers, flags and words are copied as they are: no method has an option that is a text. */
+static void *options_copy(const dl_method_row *row, const void *options) {
+    void *const copy = malloc(row->options_size);
+    return copy ? memcpy(copy, options, row->options_size) : NULL;
+}
+
+dl_status dl_method_create(const dl_method_row *row, dl_model *model, const void *options,
+                           const double *y0, dl_method **method, dl_error *error) {
+    *method = NULL;
+    dl_method *const created = calloc(1, sizeof *created);
+    if (!created)
+        return dl_fail_memory(error, "a method");
+    created->row = row;
+    created->model = model;
+    created->n = model->unknowns;
+    created->options = options_copy(row, options);
+    created->y = malloc(2 * created->n * sizeof *created->y);
+    if (!created->options || !created->y) {
+        dl_method_destroy(created);
+        return dl_fail_memory(error, "a method's state");
+    }
+    memcpy(created->y, y0, 2 * created->n * sizeof *y0);
+    const dl_status status = row->ops->create(created, error);
+    if (status) {
+        dl_method_destroy(created);
+        return status;
+    }
+    *method = created;
+    return DL_OK;
+}
+
+dl_status dl_method_advance(dl_method *method, double t_stop, dl_error *error) {
+    return method->row->ops->advance(method, t_stop, error);
+}
+
+dl_status dl_method_state(dl_method *method, double *y_out, dl_error *error) {
+    if (method->row->ops->state)
+        return method->row->ops->state(method, y_out, error);
+    memcpy(y_out, method->y, 2 * method->n * sizeof *y_out);
+    return DL_OK;
+}
+
+dl_status dl_method_jumped(dl_method *method, dl_error *error) {
+    return method->row->ops->jumped(method, error);
+}
+
+void dl_method_stats_get(const dl_method *method, dl_method_stats *stats) {
+    *stats = (dl_method_stats){0};
+    method->row->ops->stats(method, stats);
+}
+
+void dl_method_destroy(dl_method *method) {
+    if (!method)
+        return;
+    method->row->ops->destroy(method);
+    free(method->options);
+    free(method->y);
+    free(method);
+}
