@@ -1,0 +1,193 @@
+/* The answer of a work-precision study: the cheapest case that reaches the asked error. */
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+#include "driftlab/results.h"
+
+enum { OPTIONS_SIZE = 512 };
+
+static bool in_energy(const char *asked_in) {
+    return strcmp(asked_in, "energy") == 0;
+}
+
+double dl_case_error(const dl_case *cased, const char *asked_in) {
+    return in_energy(asked_in) ? cased->summary.energy_error_max / cased->summary.energy_scale
+                               : cased->position_error;
+}
+
+/* What the error is certainly below: a position error that is smaller than the reference can tell
+ * is at most that much larger. Infinite for a run that does not count. */
+static double bound(const dl_results *results, const dl_case *cased, const char *asked_in) {
+    const double error = dl_case_error(cased, asked_in);
+    if (cased->summary.status != DL_OK || !isfinite(error))
+        return INFINITY;
+    if (in_energy(asked_in) || !*cased->refused)
+        return error;
+    const dl_reference *reference = dl_results_reference(results, cased->scene);
+    return reference ? error + reference->error : INFINITY;
+}
+
+const dl_case *dl_results_cheapest(const dl_results *results, const char *scene,
+                                   const char *asked_in, double error) {
+    const dl_case *cheapest = NULL;
+    for (size_t i = 0; i < results->cases; i++) {
+        const dl_case *cased = &results->cased[i];
+        if (strcmp(cased->scene, scene) != 0 || !(bound(results, cased, asked_in) <= error))
+            continue;
+        if (!cheapest || cased->summary.cpu_seconds < cheapest->summary.cpu_seconds)
+            cheapest = cased;
+    }
+    return cheapest;
+}
+
+static const dl_case *closest(const dl_results *results, const char *scene) {
+    const dl_case *best = NULL;
+    for (size_t i = 0; i < results->cases; i++) {
+        const dl_case *cased = &results->cased[i];
+        const double reached = bound(results, cased, results->asked_in);
+        if (strcmp(cased->scene, scene) == 0 && isfinite(reached) &&
+            (!best || reached < bound(results, best, results->asked_in)))
+            best = cased;
+    }
+    return best;
+}
+
+void dl_results_answer(const dl_results *results, const char *scene, char *text, size_t size) {
+    const char *in = results->asked_in, *article = in_energy(in) ? "an" : "a";
+    const dl_case *found = dl_results_cheapest(results, scene, in, results->asked_error);
+    if (found) {
+        snprintf(text, size,
+                 "cheapest for %s %s error of %g on %s: %s with %s (%.3g CPU s, %lu force "
+                 "evaluations; its error: %.2g)",
+                 article, in, results->asked_error, scene, found->method, found->options,
+                 found->summary.cpu_seconds, found->summary.force_evaluations,
+                 dl_case_error(found, in));
+        return;
+    }
+    found = closest(results, scene);
+    if (found)
+        snprintf(text, size,
+                 "nothing reached %s %s error of %g on %s; the closest was %s with %s (%.2g)",
+                 article, in, results->asked_error, scene, found->method, found->options,
+                 bound(results, found, in));
+    else
+        snprintf(text, size, "nothing reached %s %s error of %g on %s: no case ran to its end",
+                 article, in, results->asked_error, scene);
+}
+
+/* A number, or a dash where it does not apply. */
+static const char *number(double value, char text[16]) {
+    snprintf(text, 16, isfinite(value) ? "%.2e" : "-", value);
+    return text;
+}
+
+/* Length of the word "key=value" at `options`, and of its key. */
+static size_t word_length(const char *options, size_t *key) {
+    *key = strcspn(options, "= ");
+    return strcspn(options, " ");
+}
+
+/* Whether another case of the same method on the same scene has another value of that option, or
+ * there is no other case. */
+static bool distinguishes(const dl_results *results, const dl_case *cased, const char *word,
+                          size_t length, size_t key) {
+    size_t others = 0;
+    for (size_t i = 0; i < results->cases; i++) {
+        const dl_case *other = &results->cased[i];
+        if (other == cased || strcmp(other->method, cased->method) != 0 ||
+            strcmp(other->scene, cased->scene) != 0)
+            continue;
+        others++;
+        size_t its_key, its_length;
+        for (const char *its = other->options; *its; its += its_length + (its[its_length] == ' ')) {
+            its_length = word_length(its, &its_key);
+            if (its_key == key && strncmp(its, word, key) == 0 &&
+                (its_length != length || strncmp(its, word, length) != 0))
+                return true;
+        }
+    }
+    return others == 0;
+}
+
+/* The options that set a case apart from the others of its method. */
+static void short_options(const dl_results *results, const dl_case *cased,
+                          char text[OPTIONS_SIZE]) {
+    size_t used = 0, key, length;
+    text[0] = '\0';
+    for (const char *word = cased->options; *word; word += length + (word[length] == ' ')) {
+        length = word_length(word, &key);
+        if (used + length + 2 > OPTIONS_SIZE || !distinguishes(results, cased, word, length, key))
+            continue;
+        used += (size_t)snprintf(text + used, OPTIONS_SIZE - used, "%s%.*s", used ? " " : "",
+                                 (int)length, word);
+    }
+}
+
+typedef struct widths {
+    int method, options;
+} widths;
+
+static widths measure(const dl_results *results) {
+    widths wide = {(int)strlen("method"), (int)strlen("options")};
+    for (size_t i = 0; i < results->cases; i++) {
+        char options[OPTIONS_SIZE];
+        short_options(results, &results->cased[i], options);
+        const int method = (int)strlen(results->cased[i].method), option = (int)strlen(options);
+        wide.method = method > wide.method ? method : wide.method;
+        wide.options = option > wide.options ? option : wide.options;
+    }
+    return wide;
+}
+
+static void print_case(const dl_results *results, const dl_case *cased, widths wide, FILE *out) {
+    char seconds[16], position[16], energy[16], options[OPTIONS_SIZE];
+    const dl_run_summary *run = &cased->summary;
+    short_options(results, cased, options);
+    fprintf(out, "  %-*s  %-*s  %-17s %9s %9lu %9lu %9s%c %9s\n", wide.method, cased->method,
+            wide.options, options, dl_status_name(run->status), number(run->cpu_seconds, seconds),
+            run->force_evaluations, run->steps, number(dl_case_error(cased, "position"), position),
+            *cased->refused ? '!' : ' ', number(dl_case_error(cased, "energy"), energy));
+}
+
+static void print_scene(const dl_results *results, const char *scene, FILE *out) {
+    const widths wide = measure(results);
+    fprintf(out, "%s (errors: RMS position at the end; energy, largest, in units of its scale)\n",
+            scene);
+    fprintf(out, "  %-*s  %-*s  %-17s %9s %9s %9s %9s  %9s\n", wide.method, "method", wide.options,
+            "options", "status", "CPU s", "forces", "steps", "position", "energy");
+    for (size_t i = 0; i < results->cases; i++)
+        if (strcmp(results->cased[i].scene, scene) == 0)
+            print_case(results, &results->cased[i], wide, out);
+}
+
+static void print_reason(const dl_results *results, const dl_case *cased, FILE *out) {
+    char options[OPTIONS_SIZE];
+    short_options(results, cased, options);
+    fprintf(out, "  ! %s %s: %s\n", cased->method, options, cased->refused);
+}
+
+static void print_refused(const dl_results *results, const char *scene, FILE *out) {
+    for (size_t i = 0; i < results->cases; i++) {
+        const dl_case *cased = &results->cased[i];
+        if (strcmp(cased->scene, scene) == 0 && *cased->refused)
+            print_reason(results, cased, out);
+    }
+}
+
+void dl_results_print(const dl_results *results, FILE *out) {
+    char answer[DL_MESSAGE_SIZE];
+    for (size_t s = 0; s < results->scenes; s++) {
+        const char *scene = results->scene[s].name;
+        const dl_reference *reference = dl_results_reference(results, scene);
+        print_scene(results, scene, out);
+        print_refused(results, scene, out);
+        if (reference)
+            fprintf(out, "  reference: %s; own error %.2g\n", reference->description,
+                    reference->error);
+    }
+    for (size_t s = 0; s < results->scenes; s++) {
+        dl_results_answer(results, results->scene[s].name, answer, sizeof answer);
+        fprintf(out, "%s\n", answer);
+    }
+}

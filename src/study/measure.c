@@ -1,0 +1,332 @@
+#include "study/measure.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "study/child.h"
+
+double dl_position_distance(const dl_scene *scene, const double *a, const double *b,
+                            double *largest) {
+    const size_t n = scene->particles;
+    size_t moving = 0;
+    double sum = 0, most = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (scene->pinned[i])
+            continue;
+        double square = 0;
+        for (size_t k = 0; k < (size_t)scene->dimension; k++) {
+            const double d = a[k * n + i] - b[k * n + i];
+            square += d * d;
+        }
+        sum += square;
+        if (!(square <= most)) /* a NaN stays */
+            most = square;
+        moving++;
+    }
+    if (largest)
+        *largest = sqrt(most);
+    return moving ? sqrt(sum / (double)moving) : 0;
+}
+
+/* --- in the child -------------------------------------------------------------------------- */
+
+typedef enum part { OBSERVED, TIMED } part;
+
+/* First message: this and the three series, one after the other. Those that follow: this with the
+ * summary of a timing run. */
+typedef struct message {
+    part part;
+    dl_run_summary summary;
+    double position_error, position_error_max, position_error_ever;
+    size_t samples;
+} message;
+
+typedef struct case_work {
+    const dl_study *study;
+    const dl_study_case *cased;
+    const dl_reference *reference;
+    const dl_watch *watch;
+    /* child */
+    message found;
+    double *time, *energy_error, *position_error; /* [room] */
+    size_t room;
+    /* parent */
+    dl_case *measured;
+    double *seconds; /* [repeats] */
+    size_t timed;
+} case_work;
+
+static void compare_with_reference(case_work *work, const dl_sample *sample, size_t i) {
+    const dl_reference *reference = work->reference;
+    message *found = &work->found;
+    work->position_error[i] = found->position_error = found->position_error_max = NAN;
+    if (!reference || i >= reference->samples ||
+        fabs(reference->time[i] - sample->time) > 1e-9 * reference->time[reference->samples - 1])
+        return;
+    const dl_scene *scene = work->study->scene[work->cased->scene].scene;
+    const double *exact = reference->position + i * (size_t)scene->dimension * scene->particles;
+    const double error =
+        dl_position_distance(scene, sample->y_all, exact, &found->position_error_max);
+    work->position_error[i] = found->position_error = error;
+    if (!(error <= found->position_error_ever)) /* NaN at first: none yet */
+        found->position_error_ever = error;
+}
+
+static dl_status keep_sample(void *context, const dl_sample *sample, dl_error *error) {
+    case_work *work = context;
+    const size_t i = work->found.samples;
+    if (i == work->room)
+        return dl_fail(error, DL_ERROR, "more samples than the %zu that were asked for",
+                       work->room);
+    work->time[i] = sample->time;
+    work->energy_error[i] = sample->energy_error;
+    compare_with_reference(work, sample, i);
+    work->found.samples = i + 1;
+    return DL_OK;
+}
+
+static dl_status allocate_series(case_work *work, dl_error *error) {
+    /* The start, the intervals, and the last state of a run that ends early. */
+    work->room = (size_t)work->study->settings.samples + 2;
+    work->time = malloc(3 * work->room * sizeof(double));
+    if (!work->time)
+        return dl_fail_memory(error, "samples");
+    work->energy_error = work->time + work->room;
+    work->position_error = work->energy_error + work->room;
+    return DL_OK;
+}
+
+static void send_observed(case_work *work, int pipe) {
+    const size_t samples = work->found.samples, series = samples * sizeof(double);
+    char *bytes = malloc(sizeof work->found + 3 * series);
+    if (!bytes) {
+        work->found.samples = 0;
+        dl_child_send(pipe, &work->found, sizeof work->found);
+        return;
+    }
+    char *to = bytes;
+    memcpy(to, &work->found, sizeof work->found);
+    to += sizeof work->found;
+    const double *all[] = {work->time, work->energy_error, work->position_error};
+    for (size_t k = 0; k < 3 && samples > 0; k++, to += series)
+        memcpy(to, all[k], series);
+    dl_child_send(pipe, bytes, sizeof work->found + 3 * series);
+    free(bytes);
+}
+
+/* A run that could not start tells why in its summary. */
+static void run_once(const case_work *work, const dl_run_options *options,
+                     dl_run_summary *summary) {
+    const dl_study_run_of *run = &work->cased->run;
+    const dl_scene *scene = work->study->scene[work->cased->scene].scene;
+    dl_error error = {""};
+    dl_status status =
+        work->study->run(scene, run->row, run->options, options, summary, NULL, &error);
+    if (status != DL_OK) {
+        summary->status = status;
+        memcpy(summary->message, error.message, sizeof summary->message);
+    }
+}
+
+static dl_run_options options_of(const dl_study *study, const dl_study_scene *on) {
+    dl_run_options options;
+    dl_run_options_default(&options);
+    options.end = on->end;
+    options.sample = on->sample;
+    options.time_limit = study->limits.seconds;
+    return options;
+}
+
+static void work_on_case(void *context, int pipe) {
+    case_work *work = context;
+    dl_error error = {""};
+    dl_run_options options = options_of(work->study, &work->study->scene[work->cased->scene]);
+    options.on_sample = keep_sample;
+    options.context = work;
+    work->found = (message){.part = OBSERVED,
+                            .position_error = NAN,
+                            .position_error_max = NAN,
+                            .position_error_ever = NAN};
+    dl_status status = allocate_series(work, &error);
+    if (status == DL_OK) {
+        run_once(work, &options, &work->found.summary);
+    } else {
+        work->found.summary.status = status;
+        memcpy(work->found.summary.message, error.message, sizeof error.message);
+    }
+    send_observed(work, pipe);
+    free(work->time);
+    options.observe = false;
+    options.on_sample = NULL;
+    message timed = {.part = TIMED, .summary = work->found.summary};
+    for (long i = 1; i < work->study->settings.repeats && timed.summary.status == DL_OK; i++) {
+        run_once(work, &options, &timed.summary);
+        dl_child_send(pipe, &timed, sizeof timed);
+    }
+}
+
+/* --- in the parent ------------------------------------------------------------------------- */
+
+static double *copy_series(const char *bytes, size_t samples) {
+    double *copy = malloc(samples * sizeof *copy + 1);
+    if (copy)
+        memcpy(copy, bytes, samples * sizeof *copy);
+    return copy;
+}
+
+static dl_status receive_observed(dl_case *measured, const message *found, const char *series,
+                                  dl_error *error) {
+    const size_t samples = found->samples, size = samples * sizeof(double);
+    measured->summary = found->summary;
+    measured->position_error_ever = found->position_error_ever;
+    if (found->summary.status == DL_OK) {
+        measured->position_error = found->position_error;
+        measured->position_error_max = found->position_error_max;
+    }
+    measured->sample_time = copy_series(series, samples);
+    measured->sample_energy_error = copy_series(series + size, samples);
+    measured->sample_position_error = copy_series(series + 2 * size, samples);
+    if (!measured->sample_time || !measured->sample_energy_error ||
+        !measured->sample_position_error)
+        return dl_fail_memory(error, "samples");
+    measured->samples = samples;
+    return DL_OK;
+}
+
+static dl_status receive(void *context, const void *data, size_t size, dl_error *error) {
+    case_work *work = context;
+    message found;
+    if (size < sizeof found)
+        return dl_fail(error, DL_ERROR, "a case's process sent too little");
+    memcpy(&found, data, sizeof found);
+    dl_status status = DL_OK;
+    if (found.part == OBSERVED)
+        status = receive_observed(work->measured, &found, (const char *)data + sizeof found, error);
+    if (status == DL_OK && found.summary.status == DL_OK &&
+        work->timed < (size_t)work->study->settings.repeats)
+        work->seconds[work->timed++] = found.summary.cpu_seconds;
+    return status;
+}
+
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void set_times(dl_case *measured, double *seconds, size_t timed) {
+    measured->repeats = (unsigned)timed;
+    measured->cpu_median = measured->summary.cpu_seconds;
+    if (timed == 0)
+        return;
+    qsort(seconds, timed, sizeof *seconds, ascending);
+    measured->summary.cpu_seconds = seconds[0];
+    measured->cpu_median =
+        timed % 2 ? seconds[timed / 2] : (seconds[timed / 2 - 1] + seconds[timed / 2]) / 2;
+}
+
+/* The child has ended, however it did. A limit that only a repeat for the time has met leaves the
+ * observed run as it is. */
+static dl_status conclude(case_work *work, dl_status ended, const char *why, dl_error *error) {
+    dl_case *measured = work->measured;
+    const bool observed = measured->sample_time != NULL;
+    if (ended == DL_OK && !observed) {
+        ended = DL_ERROR;
+        why = "its process ended without a result";
+    }
+    if (ended == DL_INTERRUPTED || ended == DL_IO || ended == DL_MEMORY)
+        return dl_fail(error, ended, "%s", why);
+    if (ended != DL_OK && !(ended == DL_TIMEOUT && observed)) {
+        measured->summary.status = ended;
+        snprintf(measured->summary.message, sizeof measured->summary.message, "%s", why);
+        measured->position_error = measured->position_error_max = NAN;
+    }
+    return DL_OK;
+}
+
+static dl_status identify(const dl_study *study, const dl_study_case *cased, dl_case *measured,
+                          dl_error *error) {
+    *measured = (dl_case){
+        .key = dl_text("%s", cased->key),
+        .scene = dl_text("%s", study->scene[cased->scene].scene->name),
+        .method = dl_text("%s", cased->run.row->name),
+        .family = dl_text("%s", cased->run.row->family),
+        .options = dl_text("%s", cased->run.text),
+        .command = dl_text("%s", cased->command),
+        .position_error = NAN,
+        .position_error_max = NAN,
+        .position_error_ever = NAN,
+        .cpu_median = NAN,
+        .summary = {.t_end_reached = 0,
+                    .cpu_seconds = NAN,
+                    .energy_initial = NAN,
+                    .energy_final = NAN,
+                    .energy_scale = NAN,
+                    .energy_error_max = NAN,
+                    .energy_error_final = NAN,
+                    .ledger = NAN,
+                    .momentum_error_max = NAN,
+                    .angular_momentum_error_max = NAN,
+                    .momentum_scale = NAN,
+                    .angular_momentum_scale = NAN,
+                    .kinetic_energy_per_particle = NAN},
+    };
+    return measured->key && measured->scene && measured->method && measured->family &&
+                   measured->options && measured->command
+               ? DL_OK
+               : dl_fail_memory(error, "a case");
+}
+
+static void tick(void *context) {
+    const case_work *work = context;
+    if (work->watch->tick)
+        work->watch->tick(work->watch->context);
+}
+
+static dl_status run_case(case_work *work, dl_error *error) {
+    const dl_study *study = work->study;
+    const long repeats = study->settings.repeats;
+    work->seconds = malloc((size_t)repeats * sizeof *work->seconds);
+    if (!work->seconds)
+        return dl_fail_memory(error, "times");
+    const dl_child_work child = {
+        .work = work_on_case,
+        .receive = receive,
+        .tick = tick,
+        .context = work,
+        .seconds = study->limits.seconds,
+        .memory = study->limits.memory,
+        .interrupt = work->watch->interrupt,
+    };
+    dl_error why = {""};
+    dl_status ended = dl_child_run(&child, &why);
+    dl_status status = conclude(work, ended, why.message, error);
+    set_times(work->measured, work->seconds, work->timed);
+    free(work->seconds);
+    return status;
+}
+
+dl_status dl_study_measure_case(const dl_study *study, const dl_study_case *cased,
+                                const dl_reference *reference, const dl_watch *watch,
+                                dl_case *measured, dl_error *error) {
+    case_work work = {.study = study,
+                      .cased = cased,
+                      .reference = reference,
+                      .watch = watch,
+                      .measured = measured};
+    char reason[DL_MESSAGE_SIZE + 64];
+    dl_status status = identify(study, cased, measured, error);
+    if (status == DL_OK)
+        status = run_case(&work, error);
+    if (status == DL_OK) {
+        dl_study_judge(measured, study->scene[cased->scene].end, study->settings.samples, reference,
+                       reason, sizeof reason);
+        measured->refused = dl_text("%s", reason);
+        if (!measured->refused)
+            status = dl_fail_memory(error, "a case");
+    }
+    if (status != DL_OK)
+        dl_case_release(measured);
+    return status;
+}

@@ -1,0 +1,97 @@
+/* A method with its options on a scene: checked as far as it can be without running it. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "observe/schedule.h"
+#include "study/plan.h"
+
+void dl_study_run_of_release(dl_study_run_of *run) {
+    if (run->options)
+        dl_method_options_free(run->row, run->options);
+    free(run->text);
+    free(run->changes);
+    *run = (dl_study_run_of){0};
+}
+
+dl_status dl_study_find_method(const dl_yaml *yaml, const dl_yaml_node *map,
+                               const dl_method_row **row, dl_error *error) {
+    if (dl_yaml_kind_of(map) != DL_YAML_MAP)
+        return dl_yaml_fail(yaml, map, NULL, "a mapping with a method and its options", error);
+    const dl_yaml_node *node = dl_yaml_get(map, "method");
+    if (!node)
+        return dl_yaml_fail(yaml, map, "method", "the name of a method", error);
+    if (dl_yaml_kind_of(node) != DL_YAML_SCALAR)
+        return dl_yaml_fail(yaml, node, "method", "the name of a method", error);
+    dl_error reason;
+    dl_status status = dl_method_find(dl_yaml_text(node), row, &reason);
+    return status == DL_OK ? DL_OK
+                           : dl_fail(error, status, "%s:%d: %.900s", dl_yaml_path(yaml),
+                                     dl_yaml_line(node), reason.message);
+}
+
+/* Creates the method on the scene as a run would, so that what it refuses is refused now. */
+static dl_status try_start(const dl_study_scene *on, const dl_study_run_of *run, dl_error *error) {
+    dl_model *model = NULL;
+    dl_method *method = NULL;
+    dl_schedule schedule;
+    dl_status status = dl_model_create(on->scene, &model, error);
+    if (status != DL_OK)
+        return status;
+    double *y = malloc(2 * model->unknowns * sizeof *y + 1);
+    if (!y) {
+        status = dl_fail_memory(error, "a state");
+    } else {
+        dl_model_initial_state(model, y);
+        status = dl_method_create(run->row, model, run->options, y, &method, error);
+    }
+    if (status == DL_OK)
+        status = dl_schedule_create(on->end, on->sample, method->step, &schedule, error);
+    else if (status != DL_INPUT && status != DL_MEMORY)
+        status = DL_OK; /* not the study file's fault: the case will tell */
+    if (method)
+        dl_method_destroy(method);
+    free(y);
+    dl_model_free(model);
+    return status;
+}
+
+static dl_status describe(dl_study_run_of *run, size_t count, const char *const *key,
+                          const char *const *value, dl_error *error) {
+    char text[4096];
+    dl_method_options_format(run->row, run->options, text, sizeof text);
+    run->text = dl_text("%s", text);
+    run->changes = dl_text("%s", "");
+    for (size_t i = 0; i < count && run->changes; i++) {
+        char *longer = dl_text("%s --set %s=%s", run->changes, key[i], value[i]);
+        free(run->changes);
+        run->changes = longer;
+    }
+    return run->text && run->changes ? DL_OK : dl_fail_memory(error, "a case");
+}
+
+dl_status dl_study_prepare(const dl_study *study, const dl_study_scene *on,
+                           const dl_method_row *row, size_t count, const char *const *key,
+                           const char *const *value, const int *line, dl_study_run_of *run,
+                           dl_error *error) {
+    dl_error reason = {""};
+    int at = line[0];
+    *run = (dl_study_run_of){.row = row};
+    dl_status status = dl_method_options_create(row, on->scene, &run->options, &reason);
+    for (size_t i = 0; i < count && status == DL_OK; i++) {
+        at = line[i + 1];
+        status = dl_method_options_set(row, run->options, key[i], value[i], &reason);
+    }
+    if (status == DL_OK) {
+        at = line[0];
+        status = describe(run, count, key, value, &reason);
+    }
+    if (status == DL_OK)
+        status = try_start(on, run, &reason);
+    if (status == DL_OK)
+        return DL_OK;
+    status = dl_fail(error, status, "%s:%d: %s on %s%s%s: %.800s", study->path, at, row->name,
+                     on->scene->name, run->changes && *run->changes ? " with" : "",
+                     run->changes ? run->changes : "", reason.message);
+    dl_study_run_of_release(run);
+    return status;
+}
