@@ -6,6 +6,7 @@
 #define BENCH_LAMMPS_H
 
 #include <errno.h>
+#include <ftw.h>
 #include <limits.h>
 #include <math.h>
 #include <stdbool.h>
@@ -53,9 +54,6 @@ typedef struct lammps_kinds {
     int count;
     double inertia[LAMMPS_MAX_KINDS], coupling[LAMMPS_MAX_KINDS];
 } lammps_kinds;
-
-static const char *const lammps_files[] = {"particles", "law",    "input", "read_clock",
-                                           "forces",    "output", "clock", NULL};
 
 static int lammps_kind_of(const dl_scene *scene, const lammps_kinds *kinds, size_t i) {
     int k = 0;
@@ -193,6 +191,8 @@ static void lammps_write_input(FILE *out, const lammps_job *job, const lammps_ki
             job->skin, job->scene->step, job->steps);
 }
 
+static const char *const lammps_files[] = {"particles", "law", "input", "read_clock"};
+
 static dl_status lammps_write_files(const lammps_job *job, const char *folder, dl_error *error) {
     lammps_kinds kinds;
     dl_law law;
@@ -228,6 +228,9 @@ static void lammps_become(const char *folder) {
     char process[32];
     snprintf(process, sizeof process, "%ld", (long)getpid());
     setenv("LAMMPS_PID", process, 1);
+    /* Open MPI: no daemon that outlives the program and its files, which go with ours. */
+    setenv("OMPI_MCA_ess_singleton_isolated", "1", 1);
+    setenv("TMPDIR", folder, 1);
     setenv("OMP_NUM_THREADS", "1", 1);
     alarm(LAMMPS_TIME_LIMIT);
     execlp("lmp", "lmp", "-in", "input", "-log", "none", (char *)NULL);
@@ -357,13 +360,11 @@ static dl_status lammps_check_pairs(const dl_scene *scene, const lammps_result *
 
 /* --- the whole ------------------------------------------------------------------------------ */
 
-static void lammps_remove_folder(const char *folder) {
-    for (int k = 0; lammps_files[k]; k++) {
-        char path[PATH_MAX];
-        snprintf(path, sizeof path, "%s/%s", folder, lammps_files[k]);
-        unlink(path);
-    }
-    rmdir(folder);
+static int lammps_remove(const char *path, const struct stat *info, int kind, struct FTW *where) {
+    (void)info;
+    (void)kind;
+    (void)where;
+    return remove(path);
 }
 
 static dl_status lammps_run_in(const char *folder, const lammps_job *job, bool *found,
@@ -396,7 +397,7 @@ static dl_status lammps_run(const lammps_job *job, bool *found, lammps_result *r
     if (!mkdtemp(folder))
         return dl_fail(error, DL_IO, "%s: %s", folder, strerror(errno));
     const dl_status status = lammps_run_in(folder, job, found, result, error);
-    lammps_remove_folder(folder);
+    nftw(folder, lammps_remove, 8, FTW_DEPTH | FTW_PHYS);
     if (!status && *found)
         result->kinetic /= (double)job->scene->particles;
     return status;

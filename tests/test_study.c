@@ -97,8 +97,9 @@ static void lists_expand_in_order(void **state) {
         for (size_t j = 0; j < i; j++)
             assert_string_not_equal(study->cased[i].key, study->cased[j].key);
     }
-    assert_non_null(strstr(study->cased[1].command, "scene.yaml --method arkode-erk --set "
-                                                    "table=verner-6 --set rtol=1e-6 --t-end 2"));
+    assert_non_null(strstr(study->cased[1].command,
+                           "scene.yaml --method arkode-erk --set "
+                           "table=verner-6 --set rtol=1e-6 --t-end 2 --sample 0.1"));
     dl_study_free(study);
 }
 

@@ -17,17 +17,27 @@ static const double stiff_residual = 1e-4;
 /* Energy that such a step may cost, as a part of its kinetic energy and work. */
 static const double stiff_energy = 1e-13;
 
+/* A trial displacement this many times the step's is nonsense that would cost a neighbour list of
+ * everything. */
+static const double longest_trial = 100;
+
 /* Evaluations without progress after which a fixed-point iteration is given up. */
 enum { patience = 12 };
 
 /* --- the system --------------------------------------------------------------------------------
  */
 
+/* What a callback answers there: recoverable, a line search tries a shorter step. */
+enum { trial_is_nonsense = 1 };
+
 /* image = h v + (h^2/2) a(q, q + delta), the fixed-point map. Sets the residual, its distance from
  * delta; returns what KINSOL is to be told. */
 static int apply_map(dl_conserving_solver *solver, const double *delta, double *image,
                      double *residual) {
     const dl_conserving_step *const step = &solver->step;
+    for (size_t i = 0; i < step->n; i++)
+        if (!(fabs(delta[i]) <= longest_trial * step->size))
+            return trial_is_nonsense;
     dl_error error;
     const dl_status status =
         dl_model_discrete_acceleration(solver->sundials.model, step->q, delta, step->a, &error);
@@ -54,7 +64,7 @@ static int fixed_point_map(N_Vector u, N_Vector image, void *user_data) {
     const int answer =
         apply_map(solver, N_VGetArrayPointer(u), N_VGetArrayPointer(image), &residual);
     if (answer)
-        return -1; /* KINSOL's fixed point goes on after a positive answer */
+        return -1;                        /* KINSOL's fixed point goes on after a positive answer */
     if (is_at_roundoff(solver, residual)) /* KINSOL stops where the map leaves u as it is */
         N_VScale(1, u, image);
     else
@@ -246,7 +256,8 @@ static bool attach_linear_solver(dl_conserving_solver *solver) {
                            : SUNLinSol_KLU(solver->delta, solver->matrix, context);
     return solver->linear && !KINSetLinearSolver(solver->kinsol, solver->linear, solver->matrix) &&
            !KINSetJacFn(solver->kinsol, dense ? dense_jacobian : sparse_jacobian) &&
-           !KINSetMaxSetupCalls(solver->kinsol, 1) && !KINSetMaxNewtonStep(solver->kinsol, 1000);
+           !KINSetMaxSetupCalls(solver->kinsol, 1) &&
+           !KINSetMaxNewtonStep(solver->kinsol, 10 * sqrt((double)n));
 }
 
 static bool create_kinsol(dl_conserving_solver *solver, double tolerance, long iterations,

@@ -90,11 +90,12 @@ static char *shell_word(const char *word) {
 
 char *dl_study_case_command(const dl_study *study, const dl_study_case *cased) {
     const dl_study_scene *on = &study->scene[cased->scene];
-    char end[40];
+    char end[40], sample[40];
     dl_format_real(on->end, end, sizeof end);
+    dl_format_real(on->sample, sample, sizeof sample);
     char *path = shell_word(on->path);
-    char *command = path ? dl_text("driftlab run %s --method %s%s --t-end %s", path,
-                                   cased->run.row->name, cased->run.changes, end)
+    char *command = path ? dl_text("driftlab run %s --method %s%s --t-end %s --sample %s", path,
+                                   cased->run.row->name, cased->run.changes, end, sample)
                          : NULL;
     free(path);
     return command;
