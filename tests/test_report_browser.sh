@@ -10,7 +10,7 @@ fabricate=$(dirname "$program")/test_report
 chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
 if [ -z "$chromium" ]; then
     echo "SKIPPED: chromium is not installed (Debian: apt install chromium)"
-    exit 0
+    exit 77
 fi
 
 work=$(mktemp -d)

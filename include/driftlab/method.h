@@ -17,8 +17,8 @@ enum {
     DL_CONSERVES_ENERGY = 1 << 2,
     DL_CONSERVES_MOMENTUM = 1 << 3, /* linear and angular, to roundoff */
     DL_IMPLICIT = 1 << 4,
-    DL_ADAPTIVE = 1 << 5,        /* can choose its own step */
-    DL_FIXED_STEP = 1 << 6,      /* can keep a given step */
+    DL_ADAPTIVE = 1 << 5,   /* can choose its own step */
+    DL_FIXED_STEP = 1 << 6, /* can keep a given step */
     DL_NEEDS_JACOBIAN = 1 << 7,
     DL_RESTARTS_EXACTLY = 1 << 8, /* stop and restart from y gives the same bits as going on */
 };

@@ -19,13 +19,13 @@ typedef enum dl_kind {
 typedef struct dl_parameter {
     const char *name;
     dl_kind kind;
-    size_t offset;           /* of the value in its structure */
-    const char *unit;        /* "time", "length/time", ...; "" for a pure number */
-    double minimum, maximum; /* inclusive; DL_REAL and DL_INTEGER only */
-    bool above_minimum;      /* the minimum itself is excluded */
+    size_t offset;            /* of the value in its structure */
+    const char *unit;         /* "time", "length/time", ...; "" for a pure number */
+    double minimum, maximum;  /* inclusive; DL_REAL and DL_INTEGER only */
+    bool above_minimum;       /* the minimum itself is excluded */
     const char *const *words; /* DL_WORD: the words allowed, NULL-terminated */
-    const char *fallback;    /* default, as it would be written; NULL: required */
-    const char *doc;         /* one line */
+    const char *fallback;     /* default, as it would be written; NULL: required */
+    const char *doc;          /* one line */
 } dl_parameter;
 
 typedef struct dl_parameter_table {

@@ -58,6 +58,9 @@ typedef struct dl_run_summary {
     size_t samples;
 } dl_run_summary;
 
+/* Nothing done yet: counts 0, reals NaN. */
+void dl_run_summary_clear(dl_run_summary *summary);
+
 void dl_run_options_default(dl_run_options *options);
 
 /* Runs. Returns DL_OK whenever the integration was started and the summary tells its story (which

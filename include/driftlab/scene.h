@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include "driftlab/status.h"
 
-#define DL_MAX_TERMS 4
+#define DL_MAX_TERMS  4
 #define DL_MAX_PIECES 4
 
 /* One power of the radial force: coefficient * r^(-power). */
@@ -42,8 +42,8 @@ typedef enum dl_wall_rule { DL_MIRROR } dl_wall_rule;
 typedef struct dl_walls {
     bool present;
     double low[3], high[3];
-    double damping;        /* d: both velocity components are multiplied by 1 - d at a hit */
-    double zero_vx_below;  /* |v_x| below this becomes 0 after a hit (TR323's program: 1e-10) */
+    double damping;       /* d: both velocity components are multiplied by 1 - d at a hit */
+    double zero_vx_below; /* |v_x| below this becomes 0 after a hit (TR323's program: 1e-10) */
     dl_wall_rule rule;
 } dl_walls;
 

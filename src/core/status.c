@@ -23,6 +23,9 @@ dl_status dl_status_from_name(const char *name) {
     return DL_ERROR;
 }
 
+#undef dl_fail /* the macros for the analyzer */
+#undef dl_fail_memory
+
 dl_status dl_fail(dl_error *error, dl_status status, const char *format, ...) {
     if (error) {
         va_list arguments;

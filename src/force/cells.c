@@ -55,7 +55,7 @@ static grid lay_grid(const double *x, int dimension, size_t particles, double re
     }
     for (int c = 0; c < dimension; c++)
         g.inverse_size[c] = extent[c] > 0 ? g.cells[c] / extent[c] : 0;
-    g.total = (size_t)(g.cells[0] * g.cells[1] * g.cells[2]);
+    g.total = (size_t)g.cells[0] * (size_t)g.cells[1] * (size_t)g.cells[2];
     return g;
 }
 

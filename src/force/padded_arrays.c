@@ -14,7 +14,7 @@ static double *aligned_zeros(size_t count) {
 dl_status dl_padded_create(const dl_pair_problem *problem, dl_padded_arrays *arrays,
                            dl_error *error) {
     size_t dimension = (size_t)problem->dimension;
-    arrays->stride = (problem->particles + 2 * DL_VECTOR_PAD) / 8 * 8;
+    arrays->stride = (problem->particles + (size_t)2 * DL_VECTOR_PAD) / 8 * 8;
     arrays->x = aligned_zeros(dimension * arrays->stride);
     arrays->f = aligned_zeros(dimension * arrays->stride);
     arrays->buffer = aligned_zeros(dl_row_buffer_size(problem->particles));

@@ -63,8 +63,11 @@ static int fixed_point_map(N_Vector u, N_Vector image, void *user_data) {
     double residual;
     const int answer =
         apply_map(solver, N_VGetArrayPointer(u), N_VGetArrayPointer(image), &residual);
-    if (answer)
-        return -1;                        /* KINSOL's fixed point goes on after a positive answer */
+    if (answer) {
+        /* KINSOL's fixed point goes on after a positive answer */
+        solver->stalled = solver->sundials.model_status == DL_OK;
+        return -1;
+    }
     if (is_at_roundoff(solver, residual)) /* KINSOL stops where the map leaves u as it is */
         N_VScale(1, u, image);
     else
@@ -246,7 +249,7 @@ dl_status dl_conserving_solve(dl_conserving_solver *solver, dl_error *error) {
 
 static bool attach_linear_solver(dl_conserving_solver *solver) {
     const sunindextype n = (sunindextype)solver->step.n;
-    const SUNContext context = solver->sundials.context;
+    SUNContext context = solver->sundials.context;
     const bool dense = solver->kind == DL_NEWTON_DENSE;
     solver->matrix =
         dense ? SUNDenseMatrix(n, n, context) : SUNSparseMatrix(n, n, n, CSC_MAT, context);

@@ -9,7 +9,9 @@ static bool is_default(const dl_method *method, const char *name) {
     alone.offset = 0;
     dl_parameter_set(&alone, &fallback, option->fallback, NULL);
     const char *const at = (const char *)method->options + option->offset;
-    return memcmp(at, &fallback, sizeof fallback) == 0;
+    double value;
+    memcpy(&value, at, sizeof value);
+    return value == fallback;
 }
 
 dl_status dl_method_refuse_unused_tolerances(const dl_method *method, double step,

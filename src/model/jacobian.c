@@ -34,13 +34,13 @@ static void block_of_discrete(const dl_model *model, const dl_pair *pair, double
  * partner j, r-major, ascending. */
 
 static size_t partner(const dl_pair_rows *rows, size_t k) {
-    return rows->neighbour ? (size_t)rows->neighbour[k] : k;
+    return rows->start ? (size_t)rows->neighbour[k] : k;
 }
 
 static void row_range(const dl_model *model, size_t i, size_t *begin, size_t *end) {
     const dl_pair_rows *rows = &model->priv->rows;
-    *begin = rows->neighbour ? (size_t)rows->start[i] : i + 1;
-    *end = rows->neighbour ? (size_t)rows->start[i + 1] : model->particles;
+    *begin = rows->start ? (size_t)rows->start[i] : i + 1;
+    *end = rows->start ? (size_t)rows->start[i + 1] : model->particles;
 }
 
 /* Particles coupled to each moving one, itself included, as ascending lists. */

@@ -17,7 +17,7 @@ static orbit orbit_of(const dl_scene *scene) {
     const long double m1 = scene->inertia[0], m2 = scene->inertia[1], total = m1 + m2;
     const long double product = (long double)scene->coupling[0] * scene->coupling[1];
     long double speed2 = 0, r2 = 0, dot = 0;
-    for (int k = 0; k < scene->dimension; k++) {
+    for (size_t k = 0; k < (size_t)scene->dimension; k++) {
         const double *x = scene->position + 2 * k, *v = scene->velocity + 2 * k;
         made.d[k] = (long double)x[0] - x[1];
         made.w[k] = (long double)v[0] - v[1];

@@ -258,20 +258,9 @@ static dl_status identify(const dl_study *study, const dl_study_case *cased, dl_
         .position_error_max = NAN,
         .position_error_ever = NAN,
         .cpu_median = NAN,
-        .summary = {.t_end_reached = 0,
-                    .cpu_seconds = NAN,
-                    .energy_initial = NAN,
-                    .energy_final = NAN,
-                    .energy_scale = NAN,
-                    .energy_error_max = NAN,
-                    .energy_error_final = NAN,
-                    .ledger = NAN,
-                    .momentum_error_max = NAN,
-                    .angular_momentum_error_max = NAN,
-                    .momentum_scale = NAN,
-                    .angular_momentum_scale = NAN,
-                    .kinetic_energy_per_particle = NAN},
     };
+    dl_run_summary_clear(&measured->summary);
+    measured->summary.cpu_seconds = NAN;
     return measured->key && measured->scene && measured->method && measured->family &&
                    measured->options && measured->command
                ? DL_OK

@@ -40,7 +40,7 @@ void dl_run_options_default(dl_run_options *options) {
     *options = (dl_run_options){.observe = true, .energy_bound = default_energy_bound};
 }
 
-static void summary_clear(dl_run_summary *summary) {
+void dl_run_summary_clear(dl_run_summary *summary) {
     *summary = (dl_run_summary){.energy_initial = NAN,
                                 .energy_final = NAN,
                                 .energy_scale = NAN,
@@ -314,7 +314,7 @@ dl_status dl_run(const dl_scene *scene, const dl_method_row *row, const void *op
     dl_error own = {""};
     r.energy_bound =
         run_options->energy_bound > 0 ? run_options->energy_bound : default_energy_bound;
-    summary_clear(summary);
+    dl_run_summary_clear(summary);
     dl_status status = create_parts(&r, scene, row, options, &own);
     if (!status) {
         run_to_end(&r);
