@@ -92,6 +92,7 @@ static dl_case fixture_case(const char *scene, const fixture_method *method, con
         .command = fixture_text("driftlab run scene.yaml --method %s --set %s=%g", method->name,
                                 key, value),
         .refused = strdup(""),
+        .invalid = strdup(""),
         .repeats = 3,
         .position_error = error,
         .position_error_max = 2.5 * error,

@@ -125,6 +125,7 @@ static void help_everywhere(void **state) {
     expect_text("--version", "driftlab ");
     expect_text("--version", "SUNDIALS");
     expect_text("--version", "HDF5");
+    expect_text("run --version", "driftlab ");
     expect_text("explain " DROP, "neighbour");
     expect_text("list kernels", "neighbour-list");
     expect_text("list statuses", "nonlinear-failure");

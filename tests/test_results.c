@@ -86,6 +86,7 @@ static dl_case make_case(const char *scene, const char *method, double error, do
         .sample_energy_error = series(samples, 2),
         .sample_position_error = series(samples, 3),
         .refused = copy(""),
+        .invalid = copy("no steps"),
     };
     made.summary.cpu_seconds = seconds;
     return made;
@@ -137,6 +138,7 @@ static void assert_same_case(const dl_case *a, const dl_case *b) {
     assert_string_equal(a->options, b->options);
     assert_string_equal(a->command, b->command);
     assert_string_equal(a->refused, b->refused);
+    assert_string_equal(a->invalid, b->invalid);
     assert_int_equal(a->summary.status, b->summary.status);
     assert_string_equal(a->summary.message, b->summary.message);
     /* everything behind the message is a number without padding between */
@@ -288,14 +290,15 @@ static dl_results *work_precision(void) {
         const char *method;
         double position, energy, seconds;
         dl_status status;
-        const char *refused;
+        const char *refused, *invalid;
     } point[] = {
-        {"leapfrog", 1e-3, 1e-2, 1, DL_OK, ""},
-        {"yoshida", 1e-7, 1e-6, 3, DL_OK, ""},
-        {"suzuki", 1e-8, 1e-7, 2, DL_OK, ""},
-        {"crashed", 1e-9, 1e-9, 0.1, DL_ERROR, "the run failed"},
-        {"fine", 1e-12, 1e-12, 1.5, DL_OK, "below the reference's own error"},
-        {"unmeasured", NAN, NAN, 0.1, DL_OK, ""},
+        {"leapfrog", 1e-3, 1e-2, 1, DL_OK, "", ""},
+        {"yoshida", 1e-7, 1e-6, 3, DL_OK, "", ""},
+        {"suzuki", 1e-8, 1e-7, 2, DL_OK, "", ""},
+        {"crashed", 1e-9, 1e-9, 0.1, DL_ERROR, "the run failed", ""},
+        {"fine", 1e-12, 1e-12, 1.5, DL_OK, "below the reference's own error", ""},
+        {"unmeasured", NAN, NAN, 0.1, DL_OK, "", ""},
+        {"pretender", 1e-12, 1e-12, 0.01, DL_OK, "", "the sampling chose its steps"},
     };
     dl_results *made = make_results();
     for (size_t i = 0; i < sizeof point / sizeof *point; i++) {
@@ -304,6 +307,8 @@ static dl_results *work_precision(void) {
         cased.summary.energy_error_max = 2 * point[i].energy; /* the scale is 2 */
         free(cased.refused);
         cased.refused = copy(point[i].refused);
+        free(cased.invalid);
+        cased.invalid = copy(point[i].invalid);
         assert_int_equal(dl_results_add_case(made, &cased, NULL), DL_OK);
     }
     const dl_reference reference = {.key = copy(""),

@@ -13,6 +13,7 @@
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include "io/lock.h"
 #include "study/child.h"
 #include "study/kepler.h"
 #include "study/measure.h"
@@ -318,31 +319,42 @@ static void other_motions_are_no_kepler(void **state) {
     }
 }
 
+/* The first reason there is. */
+static void judge(const dl_case *measured, const dl_reference *reference,
+                  char reason[DL_MESSAGE_SIZE]) {
+    dl_study_judge_run(measured, 2, 20, reason, DL_MESSAGE_SIZE);
+    if (!*reason)
+        dl_study_judge_position(measured, reference, reason, DL_MESSAGE_SIZE);
+}
+
 static void points_are_judged(void **state) {
     (void)state;
     const dl_reference reference = {.error = 1e-3};
     const dl_case good = {.position_error = 1,
                           .summary = {.t_end_reached = 2, .step = 0.01, .steps = 200}};
     char reason[DL_MESSAGE_SIZE];
-    dl_study_judge(&good, 2, 20, &reference, reason, sizeof reason);
+    judge(&good, &reference, reason);
     assert_string_equal(reason, "");
     dl_case bad = good;
     bad.summary.steps = 100; /* as if the option had not been used */
-    dl_study_judge(&bad, 2, 20, &reference, reason, sizeof reason);
+    judge(&bad, &reference, reason);
     assert_non_null(strstr(reason, "100 steps of 0.01"));
     bad.summary.step = 0;
-    bad.summary.steps = 20;
-    dl_study_judge(&bad, 2, 20, &reference, reason, sizeof reason);
+    bad.summary.steps = 59; /* fewer than three an interval */
+    judge(&bad, &reference, reason);
     assert_non_null(strstr(reason, "the sampling, not the tolerance"));
+    bad.summary.steps = 60;
+    judge(&bad, &reference, reason);
+    assert_string_equal(reason, "");
     bad = good;
     bad.summary.t_end_reached = 1;
-    dl_study_judge(&bad, 2, 20, &reference, reason, sizeof reason);
+    judge(&bad, &reference, reason);
     assert_non_null(strstr(reason, "ended at t = 1"));
     bad = good;
     bad.position_error = 2.9e-3;
-    dl_study_judge(&bad, 2, 20, &reference, reason, sizeof reason);
+    judge(&bad, &reference, reason);
     assert_non_null(strstr(reason, "below three times"));
-    dl_study_judge(&bad, 2, 20, NULL, reason, sizeof reason);
+    judge(&bad, NULL, reason);
     assert_string_equal(reason, "");
 }
 
@@ -657,7 +669,27 @@ static void unwritable_results_are_told_before_anything_runs(void **state) {
     dl_error error = {""};
     assert_int_equal(dl_study_run(study, &options, &results, &error), DL_IO);
     assert_non_null(strstr(error.message, "/nowhere/results.h5"));
-    assert_int_equal(results->cases, 0);
+    assert_null(results);
+    dl_study_free(study);
+}
+
+/* flock acts between open files, also of one process. */
+static void two_studies_do_not_write_one_file(void **state) {
+    (void)state;
+    dl_study *study = read_study(exact_study);
+    char path[512];
+    snprintf(path, sizeof path, "%s.locked", results_path);
+    const dl_study_options options = {.results = path};
+    dl_results *results = NULL;
+    dl_error error = {""};
+    dl_lock lock;
+    assert_int_equal(dl_lock_take(&lock, path, &error), DL_OK);
+    assert_int_equal(dl_study_run(study, &options, &results, &error), DL_INPUT);
+    assert_non_null(strstr(error.message, "another study is writing"));
+    assert_null(results);
+    dl_lock_release(&lock);
+    assert_int_equal(dl_study_run(study, &options, &results, &error), DL_OK);
+    unlink(path);
     dl_results_free(results);
     dl_study_free(study);
 }
@@ -702,6 +734,7 @@ int main(void) {
         CLEAN(memory_is_limited),
 #endif
         CLEAN(failing_reference_stops_the_study),
+        CLEAN(two_studies_do_not_write_one_file),
         CLEAN(unwritable_results_are_told_before_anything_runs),
         CLEAN(studies_that_come_with_it_are_valid),
     };

@@ -104,8 +104,14 @@ dl_status dl_model_energy(dl_model *model, const double *y, dl_energy *energy, d
  * of the moduli of the potential terms. > 0; 1 where everything vanishes. */
 dl_status dl_model_energy_scale(dl_model *model, const double *y, double *scale, dl_error *error);
 
-/* Linear momentum [3] and angular momentum about the origin [3] (z alone in two dimensions). */
+/* Linear momentum [3] and angular momentum [3] (z alone in two dimensions), about the centre of
+ * mass and relative to its motion where the scene is Galilean-invariant, about the origin
+ * elsewhere. */
 void dl_model_momentum(const dl_model *model, const double *y, double linear[3], double angular[3]);
+
+/* Sums of the moduli of the particles' momenta and angular momenta: what errors are measured by. */
+void dl_model_momentum_scales(const dl_model *model, const double *y, double *linear,
+                              double *angular);
 
 /* Sum of the inertias of the moving particles. */
 double dl_model_inertia(const dl_model *model);

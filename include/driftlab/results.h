@@ -44,8 +44,10 @@ typedef struct dl_case {
     double position_error_ever; /* largest RMS at any sample */
     size_t samples;
     double *sample_time, *sample_energy_error, *sample_position_error; /* [samples] */
-    char *refused; /* why the position error is not to be trusted ("" where it is): a run that
-                      failed or is not what it claims, an error below the reference's own */
+    char *invalid; /* why the run is not what it claims, so that none of its errors counts ("" where
+                      it is): it ended early, or its steps are not those asked for */
+    char *refused; /* why the position error alone is not to be trusted ("" where it is): a run that
+                      failed, an error below the reference's own */
 } dl_case;
 
 typedef struct dl_reference {

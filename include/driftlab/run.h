@@ -27,7 +27,7 @@ typedef struct dl_run_options {
     double sample;       /* 0: the scene's, or else chosen: at most 50 intervals of whole steps */
     double time_limit;   /* CPU seconds, observation included; 0: none -> DL_TIMEOUT */
     bool observe;        /* false: integrate only; no samples, ledger or errors (for timing) */
-    double energy_bound; /* |energy_error| / scale above which the run is DL_UNSTABLE; 0: 1e3 */
+    double energy_bound; /* |energy_error| / scale above which the run is DL_UNSTABLE; 0: 1 */
     /* Called at each sample; a failure ends the run with it. May be NULL. */
     dl_status (*on_sample)(void *context, const dl_sample *sample, dl_error *error);
     void *context;
@@ -50,7 +50,7 @@ typedef struct dl_run_summary {
     unsigned long neighbour_list_builds, wall_hits;
     double cpu_seconds; /* of the integration alone: observation is not in it */
     double energy_initial, energy_final, energy_scale;
-    double energy_error_max, energy_error_final; /* absolute, ledger included */
+    double energy_error_max, energy_error_final; /* absolute, ledger included; over the samples */
     double ledger;
     double momentum_error_max, angular_momentum_error_max;
     double momentum_scale, angular_momentum_scale; /* sum of the moduli of the terms at the start */

@@ -13,7 +13,7 @@
 
 typedef struct run_values {
     char *method, *dt, *rtol, *start, *out;
-    double t_end, sample, time_limit;
+    double t_end, sample, time_limit, energy_bound;
     bool json;
 } run_values;
 
@@ -67,6 +67,14 @@ static const dl_parameter options[] = {
      .maximum = INFINITY,
      .above_minimum = true,
      .doc = "stop after S seconds of CPU time (default: none)"},
+    {.name = "energy-bound",
+     .kind = DL_REAL,
+     .offset = offsetof(run_values, energy_bound),
+     .unit = "X",
+     .minimum = 0,
+     .maximum = INFINITY,
+     .above_minimum = true,
+     .doc = "energy error, in units of its scale, from which on a run is unstable (default: 1)"},
     {.name = "json",
      .kind = DL_FLAG,
      .offset = offsetof(run_values, json),
@@ -90,13 +98,17 @@ static dl_status set_method_option(job *work, const char *flag, const char *key,
     return status ? dl_fail(error, status, "%s: %s", flag, reason.message) : DL_OK;
 }
 
-static dl_status apply_setting(job *work, const char *setting, dl_error *error) {
+static dl_status apply_setting(job *work, const run_values *values, const char *setting,
+                               dl_error *error) {
     char key[64];
     const size_t length = strcspn(setting, "=");
     if (length >= sizeof key)
         return dl_fail(error, DL_INPUT, "--set: found \"%s\", expected KEY=VALUE", setting);
     memcpy(key, setting, length);
     key[length] = '\0';
+    if ((values->dt && strcmp(key, "step") == 0) || (values->rtol && strcmp(key, "rtol") == 0))
+        return dl_fail(error, DL_INPUT, "--set: found \"%s\", which --%s sets already", setting,
+                       strcmp(key, "step") == 0 ? "dt" : "rtol");
     return set_method_option(work, "--set", key, setting + length + 1, error);
 }
 
@@ -113,7 +125,7 @@ static dl_status prepare_method(job *work, const cli_input *input, dl_error *err
     if (!status && values->rtol)
         status = set_method_option(work, "--rtol", "rtol", values->rtol, error);
     for (size_t i = 0; !status && i < input->settings; i++)
-        status = apply_setting(work, input->setting[i], error);
+        status = apply_setting(work, values, input->setting[i], error);
     if (!status)
         dl_method_options_format(work->row, work->options, work->options_text,
                                  sizeof work->options_text);
@@ -166,6 +178,8 @@ static dl_status integrate(job *work, const run_values *values, dl_run_summary *
     how.end = values->t_end;
     how.sample = values->sample;
     how.time_limit = values->time_limit;
+    if (values->energy_bound > 0)
+        how.energy_bound = values->energy_bound;
     how.interrupt = cli_catch_signals();
     if (work->out) {
         how.on_sample = write_frame;
@@ -202,7 +216,8 @@ static cli_exit run(const cli_input *input) {
     if (!status)
         status = integrate(&work, values, &summary, &error);
     /* A trajectory that could not even be begun leaves nothing to tell. */
-    const bool ran = !status && (summary.status != DL_IO || summary.steps);
+    const bool refused = summary.status == DL_IO || summary.status == DL_INPUT;
+    const bool ran = !status && (!refused || summary.steps);
     if (ran) {
         if (values->json)
             status = cli_summary_json(work.scene, work.row, work.options, &summary, stdout, &error);

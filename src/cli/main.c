@@ -89,6 +89,10 @@ static cli_exit dispatch(int count, char **words) {
         cli_help_program(stdout);
         return CLI_OK;
     }
+    if (count > 2 && strcmp(words[count - 1], "--version") == 0) {
+        print_versions();
+        return CLI_OK;
+    }
     const cli_command *command = cli_command_find(words[1]);
     return command ? run_command(command, count, words) : complain_of_command(words[1]);
 }

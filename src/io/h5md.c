@@ -255,6 +255,11 @@ static dl_status open_partial(dl_trajectory *trajectory, dl_error *error) {
                        "%s: cannot write the trajectory: something of that name exists which is "
                        "no regular file",
                        trajectory->path);
+    if (stat(trajectory->path, &existing) == 0 && existing.st_size > 0 &&
+        H5Fis_hdf5(trajectory->path) <= 0)
+        return dl_fail(error, DL_INPUT,
+                       "%s: found a file that is no HDF5 file, expected a new name or a trajectory",
+                       trajectory->path);
     trajectory->sink.descriptor =
         open(trajectory->partial, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     return trajectory->sink.descriptor >= 0 ? DL_OK : fail_writing(trajectory, errno, error);

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static int write_all(int file, const char *data, size_t size) {
@@ -58,7 +59,11 @@ dl_status dl_replace_file(const char *path, const void *data, size_t size, dl_er
         return dl_fail_memory(error, "a file name");
     snprintf(temporary, room, "%s.tmp", path);
     dl_status status = DL_OK;
-    if (write_synced(temporary, data, size) || rename(temporary, path)) {
+    struct stat existing;
+    if (stat(path, &existing) == 0 && !S_ISREG(existing.st_mode))
+        status =
+            dl_fail(error, DL_IO, "%s: cannot be written: it is there and no regular file", path);
+    else if (write_synced(temporary, data, size) || rename(temporary, path)) {
         status = dl_fail(error, DL_IO, "%s: cannot be written: %s", path, strerror(errno));
         unlink(temporary);
     } else {

@@ -82,6 +82,7 @@ static const dl_field case_fields[] = {
     FIELD(dl_case, SERIES, sample_time),
     FIELD(dl_case, SERIES, sample_energy_error),
     FIELD(dl_case, SERIES, sample_position_error),
+    FIELD(dl_case, TEXT, invalid),
     FIELD(dl_case, TEXT, refused),
 };
 

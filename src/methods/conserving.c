@@ -47,7 +47,7 @@ static const dl_parameter fixed_point_options[] = {
         .unit = "",
         .minimum = 0,
         .maximum = 20,
-        .fallback = "2",
+        .fallback = "1",
         .doc = "residuals that Anderson's acceleration combines; 0: plain fixed point",
     },
     {

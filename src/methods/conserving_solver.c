@@ -47,7 +47,7 @@ static int apply_map(dl_conserving_solver *solver, const double *delta, double *
         largest = fmax(largest, fabs(to - delta[i]));
         image[i] = to;
     }
-    *residual = largest;
+    *residual = solver->last = largest;
     solver->since_best = largest < solver->best ? 0 : solver->since_best + 1;
     solver->best = fmin(solver->best, largest);
     return dl_sundials_answer(&solver->sundials, status, &error);
@@ -216,6 +216,16 @@ static bool gave_up(int flag) {
            flag == KIN_MXNEWT_5X_EXCEEDED;
 }
 
+static bool succeeded(int flag) {
+    return flag == KIN_SUCCESS || flag == KIN_INITIAL_GUESS_OK;
+}
+
+/* KINSOL's fixed point takes a short step for a small residual; with Anderson's acceleration it can
+ * be far from one, where the residuals it combines depend on one another. */
+static bool has_converged(const dl_conserving_solver *solver) {
+    return solver->last <= fmax(roundoff, 10 * solver->tolerance) * solver->step.size;
+}
+
 dl_status dl_conserving_solve(dl_conserving_solver *solver, dl_error *error) {
     static const dl_sundials_meaning meanings[] = {
         {KIN_LSETUP_FAIL, DL_NONLINEAR_FAILURE, true},
@@ -237,9 +247,9 @@ dl_status dl_conserving_solve(dl_conserving_solver *solver, dl_error *error) {
         good = gave_up(flag) && is_good_enough(solver);
     }
     solver->iterations += (unsigned long)iterations;
-    if (flag == KIN_SUCCESS || flag == KIN_INITIAL_GUESS_OK || good)
+    if (good || (succeeded(flag) && has_converged(solver)))
         return DL_OK;
-    if (gave_up(flag) || solver->stalled)
+    if (gave_up(flag) || succeeded(flag) || solver->stalled)
         return fail_to_converge(solver, iterations, error);
     return dl_sundials_fail(&solver->sundials, meanings, flag, "KINSol", error);
 }
@@ -286,6 +296,7 @@ dl_status dl_conserving_solver_create(dl_conserving_solver *solver, dl_model *mo
                                       dl_error *error) {
     memset(solver, 0, sizeof *solver);
     solver->kind = kind;
+    solver->tolerance = tolerance;
     solver->step = *step;
     const dl_status status = dl_sundials_create(&solver->sundials, model, error);
     if (status)
@@ -296,7 +307,11 @@ dl_status dl_conserving_solver_create(dl_conserving_solver *solver, dl_model *mo
     if (!solver->delta || !solver->scale || !solver->image)
         return dl_fail_memory(error, "the conserving scheme's vectors");
     if (!create_kinsol(solver, tolerance, iterations, depth))
-        return dl_fail(error, DL_ERROR, "KINSOL could not be set up: %s", solver->sundials.message);
+        return solver->sundials.message[0]
+                   ? dl_fail(error, DL_ERROR, "KINSOL could not be set up: %s",
+                             solver->sundials.message)
+                   : dl_fail_memory(error, kind == DL_NEWTON_DENSE ? "a dense Jacobian"
+                                                                   : "KINSOL and its matrix");
     return DL_OK;
 }
 

@@ -31,12 +31,14 @@ typedef struct dl_conserving_solver {
     dl_solver_kind kind;
     dl_conserving_step step;
     void *kinsol;
+    double tolerance; /* residual allowed, as a part of the step's size */
     N_Vector delta, scale, image;
     SUNMatrix matrix;
     SUNLinearSolver linear;
     unsigned long pattern; /* generation of the sparse matrix's */
     double *values;        /* Jacobian entries */
     size_t values_capacity;
+    double last;                              /* residual at the last displacement tried */
     double best;                              /* smallest residual of this step so far */
     int since_best;                           /* evaluations without a smaller one */
     bool stalled;                             /* given up before KINSOL would have */

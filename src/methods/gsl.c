@@ -61,6 +61,9 @@ static dl_status gsl_create(dl_method *method, dl_error *error) {
     return data->driver ? DL_OK : dl_fail_memory(error, "a GSL stepper");
 }
 
+/* GSL itself goes on with steps that reach nowhere. A part of the time to be reached. */
+static const double least_step = 1e-15;
+
 static dl_status failed(const dl_method *method, int flag, double step, dl_error *error) {
     const gsl *const data = method->data;
     if (data->model_status)
@@ -92,6 +95,14 @@ static dl_status gsl_advance(dl_method *method, double t_stop, dl_error *error) 
         gsl_odeiv2_driver_reset(driver);
         driver->h = step_before;
         return status;
+    }
+    if (method->step == 0 && t < t_stop && t - method->t < least_step * t_stop) {
+        const double step = t - method->t;
+        gsl_odeiv2_driver_reset(driver);
+        driver->h = step_before;
+        return dl_fail(error, DL_STEP_FAILURE,
+                       "%s: the step became as small as %.3g at t = %.10g: too much accuracy asked",
+                       method->row->name, step, method->t);
     }
     memcpy(method->y, data->work, bytes);
     data->steps++;

@@ -153,9 +153,10 @@ dl_status dl_model_sparsity(dl_model *model, const double *q, const double *delt
                                      delta ? dl_model_shifts(model, delta) : NULL, &rows, error);
     if (status != DL_OK)
         return status;
-    bool stale = priv->sparsity.generation == 0 || rows.generation != priv->rows.generation;
+    bool stale = !priv->has_pattern || rows.generation != priv->rows.generation;
     priv->rows = rows;
     if (stale) {
+        priv->has_pattern = false;
         adjacency graph = {NULL, NULL};
         status = connect(model, &graph, error);
         size_t dimension = (size_t)model->dimension;
@@ -168,6 +169,7 @@ dl_status dl_model_sparsity(dl_model *model, const double *q, const double *delt
         free(graph.with);
         if (status != DL_OK)
             return status;
+        priv->has_pattern = true;
     }
     *sparsity = &priv->sparsity;
     return DL_OK;

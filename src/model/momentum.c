@@ -1,25 +1,78 @@
+#include <math.h>
 #include "model/private.h"
+
+/* Where angular momentum is taken about: the centre of mass, at rest, where the scene is
+ * Galilean-invariant. About the origin a stream that has gone far would show the roundoff of its
+ * own motion. */
+static void angular_frame(const dl_model *model, const double *y, long double place[3],
+                          long double velocity[3]) {
+    size_t n = model->moving;
+    double inertia = dl_model_inertia(model);
+    for (size_t c = 0; c < 3; c++)
+        place[c] = velocity[c] = 0;
+    if (!dl_model_is_galilean_invariant(model) || !(inertia > 0))
+        return;
+    for (size_t c = 0; c < (size_t)model->dimension; c++) {
+        for (size_t k = 0; k < n; k++) {
+            place[c] += (long double)model->priv->inertia[k] * y[c * n + k];
+            velocity[c] += (long double)model->priv->inertia[k] * y[model->unknowns + c * n + k];
+        }
+        place[c] /= inertia;
+        velocity[c] /= inertia;
+    }
+}
+
+/* Momentum and angular momentum of one particle. */
+static void terms(const dl_model *model, const double *y, size_t k, const long double place[3],
+                  const long double velocity[3], long double p[3], long double l[3]) {
+    const double *v = y + model->unknowns;
+    long double m = model->priv->inertia[k], x[3] = {0, 0, 0}, w[3] = {0, 0, 0};
+    p[0] = p[1] = p[2] = 0;
+    for (size_t c = 0; c < (size_t)model->dimension; c++) {
+        size_t i = c * model->moving + k;
+        x[c] = y[i] - place[c];
+        w[c] = m * (v[i] - velocity[c]);
+        p[c] = m * v[i];
+    }
+    l[0] = x[1] * w[2] - x[2] * w[1];
+    l[1] = x[2] * w[0] - x[0] * w[2];
+    l[2] = x[0] * w[1] - x[1] * w[0];
+}
 
 void dl_model_momentum(const dl_model *model, const double *y, double linear[3],
                        double angular[3]) {
-    size_t n = model->moving;
-    const double *v = y + model->unknowns;
-    long double p[3] = {0, 0, 0}, l[3] = {0, 0, 0};
-    for (size_t k = 0; k < n; k++) {
-        long double m = model->priv->inertia[k], x[3] = {0, 0, 0}, w[3] = {0, 0, 0};
-        for (size_t c = 0; c < (size_t)model->dimension; c++) {
-            x[c] = y[c * n + k];
-            w[c] = m * v[c * n + k];
-            p[c] += w[c];
+    long double sum_p[3] = {0, 0, 0}, sum_l[3] = {0, 0, 0}, place[3], velocity[3];
+    angular_frame(model, y, place, velocity);
+    for (size_t k = 0; k < model->moving; k++) {
+        long double p[3], l[3];
+        terms(model, y, k, place, velocity, p, l);
+        for (int c = 0; c < 3; c++) {
+            sum_p[c] += p[c];
+            sum_l[c] += l[c];
         }
-        l[0] += x[1] * w[2] - x[2] * w[1];
-        l[1] += x[2] * w[0] - x[0] * w[2];
-        l[2] += x[0] * w[1] - x[1] * w[0];
     }
     for (int c = 0; c < 3; c++) {
-        linear[c] = (double)p[c];
-        angular[c] = (double)l[c];
+        linear[c] = (double)sum_p[c];
+        angular[c] = (double)sum_l[c];
     }
+}
+
+static long double modulus(const long double v[3]) {
+    return hypotl(hypotl(v[0], v[1]), v[2]);
+}
+
+void dl_model_momentum_scales(const dl_model *model, const double *y, double *linear,
+                              double *angular) {
+    long double sum_p = 0, sum_l = 0, place[3], velocity[3];
+    angular_frame(model, y, place, velocity);
+    for (size_t k = 0; k < model->moving; k++) {
+        long double p[3], l[3];
+        terms(model, y, k, place, velocity, p, l);
+        sum_p += modulus(p);
+        sum_l += modulus(l);
+    }
+    *linear = (double)sum_p;
+    *angular = (double)sum_l;
 }
 
 double dl_model_inertia(const dl_model *model) {

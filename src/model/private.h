@@ -18,6 +18,7 @@ struct dl_model_private {
     double *pair_force; /* [dimension * particles]; NULL: no pins, forces go to the caller's a */
     const dl_vector_ops *vector;
     /* Jacobian's pattern, jacobian.c */
+    bool has_pattern; /* sparsity is that of rows */
     dl_sparsity sparsity;
     long *column_start, *row;
     size_t row_capacity;

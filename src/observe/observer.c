@@ -91,24 +91,6 @@ static long double energy_change(const quantities *from, const quantities *to) {
            ((long double)to->energy.gravity - from->energy.gravity);
 }
 
-/* Sums of the moduli of the terms of both momenta. */
-static void momentum_scales(const dl_observer *observer, double *linear, double *angular) {
-    const dl_scene *scene = observer->model->scene;
-    const size_t n = scene->particles, components = (size_t)scene->dimension;
-    *linear = *angular = 0;
-    for (size_t i = 0; i < n; i++) {
-        double r[3] = {0}, v[3] = {0};
-        for (size_t k = 0; k < components; k++) {
-            r[k] = observer->y_all[k * n + i];
-            v[k] = observer->y_all[(components + k) * n + i];
-        }
-        const double cross[3] = {r[1] * v[2] - r[2] * v[1], r[2] * v[0] - r[0] * v[2],
-                                 r[0] * v[1] - r[1] * v[0]};
-        *linear += scene->inertia[i] * hypot(hypot(v[0], v[1]), v[2]);
-        *angular += scene->inertia[i] * hypot(hypot(cross[0], cross[1]), cross[2]);
-    }
-}
-
 dl_status dl_observer_begin(dl_observer *observer, dl_method *method, dl_run_summary *summary,
                             dl_error *error) {
     dl_status status = measure(observer, method, &observer->start, error);
@@ -118,7 +100,8 @@ dl_status dl_observer_begin(dl_observer *observer, dl_method *method, dl_run_sum
         return status;
     if (!isfinite(observer->start.energy.total))
         return dl_fail(error, DL_UNSTABLE, "the energy of the initial state is not finite");
-    momentum_scales(observer, &summary->momentum_scale, &summary->angular_momentum_scale);
+    dl_model_momentum_scales(observer->model, observer->y, &summary->momentum_scale,
+                             &summary->angular_momentum_scale);
     return DL_OK;
 }
 

@@ -58,12 +58,12 @@ static double relative(double value, double scale) {
     return scale > 0 ? fabs(value) / scale : NAN;
 }
 
-/* Why the error is not drawn as a point, or "" where it is. `refused` may be NULL. */
+/* Why the error is not drawn as a point, or "" where it is. */
 static const char *reason_not_drawn(const dl_run_summary *summary, const char *refused,
                                     double shown, const char *missing) {
     if (summary->status != DL_OK)
         return summary->message[0] ? summary->message : dl_status_name(summary->status);
-    if (refused && refused[0])
+    if (refused[0])
         return refused;
     if (!isfinite(shown))
         return missing;
@@ -131,15 +131,16 @@ static void put_errors(builder *build, json_t *object, const dl_case *cased) {
         put(build, object, table[i].name, real(table[i].value));
 }
 
-/* A refusal speaks of the position error alone: it needs the reference, the energy error does not.
+/* `invalid` speaks of the run, `refused` of the position error alone: that one needs the reference.
  */
 static json_t *reasons_not_drawn(builder *build, const dl_case *cased) {
     const dl_run_summary *summary = &cased->summary;
-    const char *position = reason_not_drawn(summary, cased->refused, cased->position_error,
-                                            "there is no reference to compare it with");
-    const char *energy =
-        reason_not_drawn(summary, NULL, relative(summary->energy_error_max, summary->energy_scale),
-                         "its energy error was not measured");
+    const char *position =
+        reason_not_drawn(summary, cased->invalid[0] ? cased->invalid : cased->refused,
+                         cased->position_error, "there is no reference to compare it with");
+    const char *energy = reason_not_drawn(
+        summary, cased->invalid, relative(summary->energy_error_max, summary->energy_scale),
+        "its energy error was not measured");
     json_t *reasons = json_object();
     put(build, reasons, "position", text(position));
     put(build, reasons, "energy", text(energy));
@@ -182,7 +183,7 @@ static json_t *one_case(builder *build, const dl_case *cased) {
         {"key", offsetof(dl_case, key)},         {"scene", offsetof(dl_case, scene)},
         {"method", offsetof(dl_case, method)},   {"family", offsetof(dl_case, family)},
         {"options", offsetof(dl_case, options)}, {"command", offsetof(dl_case, command)},
-        {"refused", offsetof(dl_case, refused)},
+        {"invalid", offsetof(dl_case, invalid)}, {"refused", offsetof(dl_case, refused)},
     };
     json_t *object = json_object();
     put_texts(build, object, cased, texts, sizeof texts / sizeof *texts);

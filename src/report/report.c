@@ -99,9 +99,26 @@ static const char *title_of(const dl_results *results) {
     return "driftlab report";
 }
 
+/* Another kind of file at `path`, a scene say, was named by mistake. */
+static dl_status refuse_other_file(const char *path, dl_error *error) {
+    static const char page[] = "<!DOCTYPE html>";
+    char begin[sizeof page - 1];
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return DL_OK;
+    size_t length = fread(begin, 1, sizeof begin, file);
+    fclose(file);
+    if (length == 0 || (length == sizeof begin && memcmp(begin, page, sizeof begin) == 0))
+        return DL_OK;
+    return dl_fail(error, DL_INPUT,
+                   "%s: found a file that is no page, expected a new name or a page", path);
+}
+
 dl_status dl_report_write(const dl_results *results, const char *path, dl_error *error) {
     char *json;
-    dl_status status = dl_page_data(results, &json, error);
+    dl_status status = refuse_other_file(path, error);
+    if (status == DL_OK)
+        status = dl_page_data(results, &json, error);
     if (status != DL_OK)
         return status;
     char *title = html_text(title_of(results));

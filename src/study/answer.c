@@ -20,7 +20,7 @@ double dl_case_error(const dl_case *cased, const char *asked_in) {
  * is at most that much larger. Infinite for a run that does not count. */
 static double bound(const dl_results *results, const dl_case *cased, const char *asked_in) {
     const double error = dl_case_error(cased, asked_in);
-    if (cased->summary.status != DL_OK || !isfinite(error))
+    if (cased->summary.status != DL_OK || *cased->invalid || !isfinite(error))
         return INFINITY;
     if (in_energy(asked_in) || !*cased->refused)
         return error;
@@ -147,7 +147,8 @@ static void print_case(const dl_results *results, const dl_case *cased, widths w
     fprintf(out, "  %-*s  %-*s  %-17s %9s %9lu %9lu %9s%c %9s\n", wide.method, cased->method,
             wide.options, options, dl_status_name(run->status), number(run->cpu_seconds, seconds),
             run->force_evaluations, run->steps, number(dl_case_error(cased, "position"), position),
-            *cased->refused ? '!' : ' ', number(dl_case_error(cased, "energy"), energy));
+            *cased->refused || *cased->invalid ? '!' : ' ',
+            number(dl_case_error(cased, "energy"), energy));
 }
 
 static void print_scene(const dl_results *results, const char *scene, FILE *out) {
@@ -164,13 +165,14 @@ static void print_scene(const dl_results *results, const char *scene, FILE *out)
 static void print_reason(const dl_results *results, const dl_case *cased, FILE *out) {
     char options[OPTIONS_SIZE];
     short_options(results, cased, options);
-    fprintf(out, "  ! %s %s: %s\n", cased->method, options, cased->refused);
+    fprintf(out, "  ! %s %s: %s\n", cased->method, options,
+            *cased->invalid ? cased->invalid : cased->refused);
 }
 
 static void print_refused(const dl_results *results, const char *scene, FILE *out) {
     for (size_t i = 0; i < results->cases; i++) {
         const dl_case *cased = &results->cased[i];
-        if (strcmp(cased->scene, scene) == 0 && *cased->refused)
+        if (strcmp(cased->scene, scene) == 0 && (*cased->refused || *cased->invalid))
             print_reason(results, cased, out);
     }
 }

@@ -6,10 +6,11 @@
 #include <time.h>
 #include <unistd.h>
 #include "driftlab/version.h"
+#include "source_hash.h"
 #include "version.h"
 
-const char *const dl_facts_of_timing[] = {"driftlab", "compiler",  "build",
-                                          "flags",    "processor", NULL};
+const char *const dl_facts_of_timing[] = {"source", "SUNDIALS", "GSL",       "compiler",
+                                          "build",  "flags",    "processor", NULL};
 
 static void find_processor(char *name, size_t size) {
     snprintf(name, size, "unknown");
@@ -68,6 +69,8 @@ static dl_status add_build(dl_results *results, dl_error *error) {
     dl_status status = dl_results_add_fact(results, "driftlab", dl_version(), error);
     for (size_t i = 0; i < count && status == DL_OK; i++)
         status = dl_results_add_fact(results, component[i].name, component[i].version, error);
+    if (status == DL_OK)
+        status = dl_results_add_fact(results, "source", DL_SOURCE_HASH, error);
     return status == DL_OK ? dl_results_add_fact(results, "flags", DL_BUILD_FLAGS, error) : status;
 }
 

@@ -309,10 +309,12 @@ dl_status dl_study_measure_case(const dl_study *study, const dl_study_case *case
     if (status == DL_OK)
         status = run_case(&work, error);
     if (status == DL_OK) {
-        dl_study_judge(measured, study->scene[cased->scene].end, study->settings.samples, reference,
-                       reason, sizeof reason);
+        dl_study_judge_run(measured, study->scene[cased->scene].end, study->settings.samples,
+                           reason, sizeof reason);
+        measured->invalid = dl_text("%s", reason);
+        dl_study_judge_position(measured, reference, reason, sizeof reason);
         measured->refused = dl_text("%s", reason);
-        if (!measured->refused)
+        if (!measured->refused || !measured->invalid)
             status = dl_fail_memory(error, "a case");
     }
     if (status != DL_OK)

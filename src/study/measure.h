@@ -28,8 +28,12 @@ dl_status dl_study_measure_case(const dl_study *study, const dl_study_case *case
 double dl_position_distance(const dl_scene *scene, const double *a, const double *b,
                             double *largest);
 
-/* Why a position error is not to be trusted, or "". `end`: where the runs on that scene end. */
-void dl_study_judge(const dl_case *measured, double end, long intervals,
-                    const dl_reference *reference, char *reason, size_t size);
+/* Why a run that has not failed is not what it claims, or "". `end`: where the runs on that scene
+ * end. */
+void dl_study_judge_run(const dl_case *measured, double end, long intervals, char *reason,
+                        size_t size);
+/* Why its position error is not to be trusted, or "". */
+void dl_study_judge_position(const dl_case *measured, const dl_reference *reference, char *reason,
+                             size_t size);
 
 #endif

@@ -9,7 +9,8 @@
 #include "observe/schedule.h"
 #include "observe/stopwatch.h"
 
-static const double default_energy_bound = 1e3;
+/* An error as large as the whole scale: nothing of the energy is right. */
+static const double default_energy_bound = 1;
 
 /* Limits, interrupts and progress are looked at every `steps` steps, a number that follows the
  * speed of the run so that it happens about every 50 ms, but every step where steps are slow. */
@@ -172,11 +173,16 @@ static void summary_add_sample(dl_run_summary *summary, const dl_sample *sample,
     summary->samples++;
 }
 
-static dl_status check_energy(const run *r, const dl_sample *sample, dl_error *error) {
+/* Takes the sample into the summary, where it is one. */
+static dl_status judge_sample(const run *r, const dl_sample *sample, dl_error *error) {
     const double relative = fabs(sample->energy_error) / r->summary->energy_scale;
-    if (!isfinite(relative))
+    if (!isfinite(relative)) {
+        dl_run_summary *summary = r->summary;
+        summary->energy_final = summary->energy_error_final = summary->energy_error_max = NAN;
         return dl_fail(error, DL_UNSTABLE, "the energy is no longer finite at t = %.10g",
                        sample->time);
+    }
+    summary_add_sample(r->summary, sample, r->model->moving);
     if (relative > r->energy_bound)
         return dl_fail(error, DL_UNSTABLE,
                        "the energy error at t = %.10g is %.6g times the energy scale (bound %.6g)",
@@ -192,11 +198,10 @@ static dl_status take_sample(run *r, double time, dl_error *error) {
     dl_sample sample = {.index = r->summary->samples, .step = stats.steps};
     dl_status status = dl_observer_sample(r->observer, r->method, time, &sample, error);
     if (!status)
-        status = check_energy(r, &sample, error);
+        status = judge_sample(r, &sample, error);
     if (status)
         return status;
     r->sampled_at = time;
-    summary_add_sample(r->summary, &sample, r->model->moving);
     return r->options->on_sample ? r->options->on_sample(r->options->context, &sample, error)
                                  : DL_OK;
 }
@@ -223,6 +228,7 @@ static dl_status integrate(run *r, dl_error *error) {
         dl_stopwatch_stop(&r->watch);
         if (!status)
             status = take_sample(r, time, error);
+        r->pulse.left = 1; /* observation counts for the limit on time, too */
     }
     return status;
 }

@@ -7,6 +7,7 @@
 #include <time.h>
 #include <unistd.h>
 #include "driftlab/explain.h"
+#include "io/lock.h"
 #include "study/facts.h"
 #include "study/measure.h"
 
@@ -323,13 +324,17 @@ dl_status dl_study_run(const dl_study *study, const dl_study_options *options, d
                        dl_error *error) {
     progress run = {.study = study, .options = options, .began = now()};
     *results = NULL;
-    dl_status status = begin(&run, error);
+    dl_lock lock;
+    dl_status status = dl_lock_take(&lock, options->results, error);
+    if (status == DL_OK)
+        status = begin(&run, error);
     if (status == DL_OK) {
         status = run_missing(&run, error);
         start_part(&run, NULL);
         *results = run.results;
         run.results = NULL;
     }
+    dl_lock_release(&lock);
     dl_results_free(run.results);
     free(run.current);
     /* what was moved out of the old results is empty there */

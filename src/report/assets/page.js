@@ -41,7 +41,8 @@ const asked = results.asked_error > 0 && METRICS[results.asked_in]
 
 const isDrawn = (one, metric) => one.not_drawn[metric] === "";
 const shownStatus = one =>
-  (one.status === "ok" && one.refused ? "position refused" : one.status);
+  (one.status !== "ok" ? one.status : one.invalid ? "refused" :
+    one.refused ? "position refused" : "ok");
 const byCost = (a, b) => a.cpu_seconds - b.cpu_seconds;
 const byError = metric => (a, b) => METRICS[metric].value(a) - METRICS[metric].value(b);
 
@@ -62,7 +63,7 @@ const caseName = one => [strong(one.line.name), one.label ? ` (${one.label})` : 
 /* An error too small for the reference to tell is at most its sum with the reference's own. */
 const boundOf = (scene, one) => {
   const value = asked.metric.value(one);
-  if (one.status !== "ok" || value === null) return Infinity;
+  if (one.status !== "ok" || one.invalid || value === null) return Infinity;
   if (asked.in === "energy" || !one.refused) return value;
   return scene.reference ? value + scene.reference.error : Infinity;
 };
@@ -373,7 +374,7 @@ const timeControls = (scene, set) => {
 
 const statusMark = one => {
   const status = shownStatus(one);
-  const kind = one.status !== "ok" ? "failed" : one.refused ? "refused" : "ok";
+  const kind = one.status !== "ok" ? "failed" : one.invalid || one.refused ? "refused" : "ok";
   return element("span", {className: "status " + kind}, status);
 };
 
@@ -386,7 +387,7 @@ const COLUMNS = [
   {title: "options", value: one => one.label, always: true, full: one => one.options,
    sort: one => Number((/=\s*(\S+)/.exec(one.label.replace(/,.*/, "")) || [])[1]) || 0},
   {title: "status", value: shownStatus, always: true, mark: statusMark,
-   full: one => one.refused || one.message},
+   full: one => one.invalid || one.refused || one.message},
   real("position error, RMS", "position_error", "length"),
   real("energy error, largest", "energy_error", "of scale"),
   {title: "CPU time", key: "cpu_seconds", unit: "s", text: shortSeconds, always: true},

@@ -1,0 +1,20 @@
+# Writes HEADER with a hash of everything the library is compiled from: times of another source are
+# not compared with this one's. Run by CMake at build time with -DROOT=... -DHEADER=...
+file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/src/*.c ${ROOT}/src/*.h ${ROOT}/src/*.def
+     ${ROOT}/include/*.h)
+list(FILTER files EXCLUDE REGEX "^src/(cli|report)/")
+list(SORT files)
+set(all "")
+foreach(file IN LISTS files)
+  file(SHA256 ${ROOT}/${file} hash)
+  string(APPEND all "${file} ${hash}\n")
+endforeach()
+string(SHA256 hash "${all}")
+string(SUBSTRING ${hash} 0 16 hash)
+set(text "/* Written by CMake. */\n#define DL_SOURCE_HASH \"${hash}\"\n")
+if(EXISTS ${HEADER})
+  file(READ ${HEADER} old)
+endif()
+if(NOT "${old}" STREQUAL "${text}")
+  file(WRITE ${HEADER} "${text}")
+endif()
