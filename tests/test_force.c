@@ -15,11 +15,16 @@
 #include "force/law.h"
 #include "force/vector_ops.h"
 
-static const dl_pair_law fluid = {1, {{0.25, 2, {{-25, 2}, {50, 4}}}}};
-static const dl_pair_law swirl = {2, {{2.3, 2, {{5, 6}, {-5, 4}}}, {INFINITY, 1, {{-1e-3, 2}}}}};
-static const dl_pair_law stream = {1, {{INFINITY, 2, {{-6, 7}, {9, 10}}}}};
-static const dl_pair_law uneven = {
-    3, {{0.9, 2, {{3, 5.5}, {-2, 1}}}, {1.4, 1, {{-1, 2.25}}}, {2, 1, {{0.5, 1.5}}}}};
+static const dl_pair_law fluid = {1, {{.until = 0.25, .terms = 2, .term = {{-25, 2}, {50, 4}}}}};
+static const dl_pair_law swirl = {2,
+                                  {{.until = 2.3, .terms = 2, .term = {{5, 6}, {-5, 4}}},
+                                   {.until = INFINITY, .terms = 1, .term = {{-1e-3, 2}}}}};
+static const dl_pair_law stream = {1,
+                                   {{.until = INFINITY, .terms = 2, .term = {{-6, 7}, {9, 10}}}}};
+static const dl_pair_law uneven = {3,
+                                   {{.until = 0.9, .terms = 2, .term = {{3, 5.5}, {-2, 1}}},
+                                    {.until = 1.4, .terms = 1, .term = {{-1, 2.25}}},
+                                    {.until = 2, .terms = 1, .term = {{0.5, 1.5}}}}};
 static const dl_pair_law *const laws[] = {&fluid, &swirl, &stream, &uneven};
 
 enum { law_count = sizeof laws / sizeof *laws };

@@ -38,7 +38,9 @@ static dl_scene *listed_box(void) {
 /* Two pieces of real powers, an end, couplings unlike, a pin, three dimensions. */
 static dl_scene *uneven_scene(void) {
     dl_scene *scene = fixture_cluster();
-    scene->law = (dl_pair_law){2, {{1.3, 2, {{3, 5.5}, {-2, 1}}}, {1.9, 1, {{-1, 2.25}}}}};
+    scene->law = (dl_pair_law){2,
+                               {{.until = 1.3, .terms = 2, .term = {{3, 5.5}, {-2, 1}}},
+                                {.until = 1.9, .terms = 1, .term = {{-1, 2.25}}}}};
     scene->coupling[3] = 2.5;
     scene->pinned[4] = true;
     for (int c = 0; c < 3; c++)

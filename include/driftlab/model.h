@@ -44,11 +44,16 @@ struct dl_model {
     size_t moving;    /* without the pinned ones */
     size_t unknowns;  /* dimension * moving */
     bool has_walls;
+    bool has_periods;
+    bool has_radiation;
     bool has_gravity;
     bool has_pins;
     dl_counts counts;
     dl_kernel *kernel;
     struct dl_model_private *priv;
+    /* [unknowns] of the caller: coordinates that rest on a wall; their accelerations, discrete ones
+     * and rows of Jacobians are 0. NULL: nothing does, and nothing is looked at. */
+    const bool *held;
     /* The accelerations in use. Set at creation; a test may put failing ones in their place. */
     dl_status (*acceleration)(dl_model *model, const double *q, double *a, dl_error *error);
     dl_status (*discrete_acceleration)(dl_model *model, const double *q, const double *delta,
@@ -133,6 +138,11 @@ bool dl_model_is_galilean_invariant(const dl_model *model);
  * next axis): reflects the position, multiplies every velocity component by 1 - damping and
  * reverses the normal one. Returns the number of hits. Cheap where nothing is outside. */
 size_t dl_model_mirror(const dl_model *model, double *q, double *v);
+
+/* Radiation, TR299 (3.14), at positions q: multiplies the velocities of the outer particles
+ * (model/radiation.c says which those are) and returns how many they are. For leap-frog v are the
+ * half-step velocities, as in TR299's program, which radiates after it has moved the particles. */
+size_t dl_model_radiate(dl_model *model, const double *q, double *v);
 
 /* Whether any particle is outside the walls (so that dl_model_mirror would change the state). */
 bool dl_model_outside(const dl_model *model, const double *q);

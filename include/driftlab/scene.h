@@ -20,11 +20,22 @@ typedef struct dl_term {
     double power;
 } dl_term;
 
+/* What becomes of a piece's force F at its end, where the next piece's, N, takes over (N = 0 beyond
+ * the last). The potential is the integral of the force in every case. */
+typedef enum dl_piece_end {
+    DL_END_HARD,          /* F jumps to N, as in the papers */
+    DL_END_SHIFTED_FORCE, /* F(r) - (F(until) - N(until)): continuous, with a kink */
+    DL_END_TAPER, /* S F + (1 - S) N over the last `width`: twice continuously differentiable,
+                   * S = 1 - 10 u^3 + 15 u^4 - 6 u^5, u = (r - until + width)/width */
+} dl_piece_end;
+
 /* Force on (previous until, until]; `until` is INFINITY where the piece never ends. */
 typedef struct dl_piece {
     double until;
     int terms;
     dl_term term[DL_MAX_TERMS];
+    dl_piece_end end;
+    double width; /* of a taper, less than the piece is long */
 } dl_piece;
 
 /* Radial force of the pair (i, j), positive where it repels:
@@ -36,7 +47,10 @@ typedef struct dl_pair_law {
     dl_piece piece[DL_MAX_PIECES];
 } dl_pair_law;
 
-typedef enum dl_wall_rule { DL_MIRROR } dl_wall_rule;
+typedef enum dl_wall_rule {
+    DL_MIRROR,  /* after a step, by reflection: the papers' */
+    DL_LOCATED, /* at the time of the hit, with resting contacts (study/located.h) */
+} dl_wall_rule;
 
 /* Planes normal to the axes. low/high are -INFINITY/INFINITY where there is no wall. */
 typedef struct dl_walls {
@@ -45,7 +59,31 @@ typedef struct dl_walls {
     double damping;       /* d: both velocity components are multiplied by 1 - d at a hit */
     double zero_vx_below; /* |v_x| below this becomes 0 after a hit (TR323's program: 1e-10) */
     dl_wall_rule rule;
+    double rest; /* located: a flight shorter than this part of the time step is the last; 0: none
+                  * is but for roundoff */
 } dl_walls;
+
+typedef enum dl_radiation_frame { DL_FRAME_LAB, DL_FRAME_CENTRE } dl_radiation_frame;
+
+/* Radiation, TR299 (3.14): at every whole number of periods the velocities of outer particles are
+ * multiplied by factor_above where y >= that of the mass centre, by factor_below elsewhere. */
+typedef struct dl_radiation {
+    bool present;
+    double period; /* time; a whole number of steps */
+    bool boundary; /* outer particles are those of the boundary, not those beyond a distance */
+    double beyond; /* from the mass centre; without `boundary` */
+    double reach, opening; /* with `boundary`: radius of the sector, its opening in degrees */
+    double factor_above, factor_below;
+    dl_radiation_frame frame; /* which velocity: as it is, or relative to the mass centre's */
+} dl_radiation;
+
+/* Periodic box: along an axis with length > 0 a particle has copies at every whole number of
+ * lengths from it, and acts by the nearest one. Positions are free to leave [low, low + length): a
+ * trajectory is never wrapped. */
+typedef struct dl_periods {
+    bool present;
+    double low[3], length[3]; /* length 0: no period along this axis */
+} dl_periods;
 
 typedef enum dl_kernel_choice {
     DL_KERNEL_AUTO,
@@ -57,16 +95,23 @@ typedef enum dl_kernel_choice {
 typedef struct dl_scene {
     char *name, *source, *file; /* `file`: path it was read from */
     char *text;                 /* the scene file's text, for the results' metadata */
+    char *start;                /* file of the trajectory that it starts from; NULL: it does not */
     int dimension;              /* 2 or 3 */
     size_t particles;
     double *position, *velocity; /* [dimension * particles] */
     double *inertia;             /* [particles], > 0 */
-    double *coupling;            /* [particles], >= 0; all 1 where the law has no pieces */
+    double *coupling;            /* [particles], >= 0, as declared: no law need use them */
     bool *feels_gravity;         /* [particles] */
     bool *pinned;                /* [particles] */
-    dl_pair_law law;
+    dl_pair_law law;             /* of all pairs; no pieces where the species tell */
+    size_t species;              /* 0: `law` is that of all pairs */
+    char **species_name;         /* [species] */
+    dl_pair_law *species_law;    /* [species * species], symmetric; no pieces: no force */
+    int *species_of;             /* [particles]; NULL without species */
+    dl_periods periods;
     double gravity[3]; /* uniform acceleration */
     dl_walls walls;
+    dl_radiation radiation;
     double step;   /* default Delta t of fixed-step methods */
     double end;    /* integration runs from t = 0 to here */
     double sample; /* time between samples; 0: chosen by the run */

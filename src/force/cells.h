@@ -4,6 +4,7 @@
 
 #include <stddef.h>
 #include "driftlab/status.h"
+#include "force/box.h"
 
 typedef struct dl_cells {
     int *cell_start;      /* [cells + 1] */
@@ -18,10 +19,14 @@ typedef struct dl_list {
     size_t capacity; /* of neighbour */
 } dl_list;
 
-/* Rebuilds the rows i < moving: every j > i with |x_i - x_j| <= reach. x is a block x|y|[z].
+/* Rebuilds the rows i < moving: every j > i with |x_i - x_j| <= reach, of the nearest copies where
+ * box is not NULL. x is a block x|y|[z]. A pair that is beyond reach now comes within a shorter one
+ * only after its particles have moved by the difference, whatever the copies: distances between
+ * nearest copies obey the triangle inequality. So the reach may be longer than half a period.
  * DL_UNSTABLE, naming the first row, where a position is not finite. */
 dl_status dl_cells_build(dl_cells *cells, dl_list *list, const double *x, int dimension,
-                         size_t particles, size_t moving, double reach, dl_error *error);
+                         size_t particles, size_t moving, double reach, const dl_box *box,
+                         dl_error *error);
 void dl_cells_release(dl_cells *cells, dl_list *list);
 
 #endif

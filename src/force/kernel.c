@@ -1,5 +1,6 @@
 #include "force/kernel.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* Below this a list costs more than it saves: measured on the settled fluid of TR323. */
@@ -15,7 +16,7 @@ static const dl_kernel_ops *choose(const dl_pair_problem *problem, dl_kernel_cho
     *reason = "the scene asks for it";
     if (choice != DL_KERNEL_AUTO)
         return asked[choice];
-    if (!problem->law->cut) {
+    if (isinf(problem->reach)) {
         *reason = "the pair law has no cutoff";
         return &dl_kernel_all_pairs;
     }
@@ -27,10 +28,21 @@ static const dl_kernel_ops *choose(const dl_pair_problem *problem, dl_kernel_cho
     return &dl_kernel_neighbour_list;
 }
 
+static dl_status find_loops(dl_kernel *kernel, dl_error *error) {
+    const dl_pair_problem *p = &kernel->problem;
+    size_t laws = p->species * p->species;
+    kernel->loops = malloc(laws * sizeof *kernel->loops);
+    if (!kernel->loops)
+        return dl_fail_memory(error, "a force kernel");
+    for (size_t k = 0; k < laws; k++)
+        kernel->loops[k] = kernel->vector->loops_for(&p->law[k]);
+    return DL_OK;
+}
+
 dl_status dl_kernel_create(const dl_pair_problem *problem, dl_kernel_choice choice,
                            dl_kernel **kernel, dl_error *error) {
     *kernel = NULL;
-    if (choice == DL_KERNEL_NEIGHBOUR_LIST && !problem->law->cut)
+    if (choice == DL_KERNEL_NEIGHBOUR_LIST && isinf(problem->reach))
         return dl_fail(error, DL_INPUT,
                        "kernel: found neighbour-list, expected all-pairs or reference: the pair "
                        "law has no cutoff");
@@ -40,8 +52,9 @@ dl_status dl_kernel_create(const dl_pair_problem *problem, dl_kernel_choice choi
     made->problem = *problem;
     made->ops = choose(problem, choice, &made->reason);
     made->vector = dl_vector_best();
-    made->loops = made->vector->loops_for(problem->law);
-    dl_status status = made->ops->create(made, error);
+    dl_status status = find_loops(made, error);
+    if (status == DL_OK)
+        status = made->ops->create(made, error);
     if (status != DL_OK) {
         dl_kernel_destroy(made);
         return status;
@@ -54,5 +67,6 @@ void dl_kernel_destroy(dl_kernel *kernel) {
     if (!kernel)
         return;
     kernel->ops->destroy(kernel);
+    free(kernel->loops);
     free(kernel);
 }

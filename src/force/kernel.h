@@ -5,6 +5,7 @@
 
 #include <stddef.h>
 #include "driftlab/model.h"
+#include "force/box.h"
 #include "force/law.h"
 #include "force/vector_ops.h"
 
@@ -13,9 +14,19 @@ typedef struct dl_pair_problem {
     int dimension;
     size_t particles, moving;
     const double *coupling; /* [particles + DL_VECTOR_PAD], zeros behind; NULL: all 1 */
-    const dl_law *law;
-    double skin; /* 0: chosen */
+    size_t species;         /* 1 where one law holds for all pairs */
+    const int *species_of;  /* [particles]; NULL where one law holds for all pairs */
+    const dl_law *law;      /* [species * species], symmetric; no pieces: no force */
+    double reach;           /* longest cutoff; INFINITY where a law never ends */
+    const dl_box *box;      /* NULL: nothing is periodic */
+    double skin;            /* 0: chosen */
 } dl_pair_problem;
+
+/* Index of the law between two particles. */
+static inline size_t dl_pair_law_index(const dl_pair_problem *problem, size_t i, size_t j) {
+    const int *of = problem->species_of;
+    return of ? (size_t)of[i] * problem->species + (size_t)of[j] : 0;
+}
 
 /* Candidate pairs (i, j), i < moving, i < j: j = neighbour[start[i]] ... of row i, or every j > i
  * where neighbour is NULL. */
@@ -42,8 +53,8 @@ struct dl_kernel {
     const dl_kernel_ops *ops;
     dl_pair_problem problem;
     const dl_vector_ops *vector;
-    const dl_law_loops *loops;
-    const char *reason; /* why it was chosen */
+    const dl_law_loops **loops; /* [species * species] */
+    const char *reason;         /* why it was chosen */
     unsigned long list_builds;
     void *data;
 };

@@ -2,39 +2,93 @@
 #include <stdlib.h>
 #include "force/padded_arrays.h"
 
-static dl_status create(dl_kernel *kernel, dl_error *error) {
-    dl_padded_arrays *arrays = calloc(1, sizeof *arrays);
-    kernel->data = arrays;
-    if (!arrays)
+/* A run of particles in the arrays' order, all of one species, moving or pinned. */
+typedef struct run {
+    size_t begin, end;
+    int species;
+} run;
+
+typedef struct all_pairs {
+    dl_padded_arrays arrays;
+    size_t moving_runs, runs; /* 0 where one law holds for all pairs */
+    run *run;                 /* [runs], the moving ones first */
+} all_pairs;
+
+typedef void block_loop(const dl_pair_arrays *arrays, const dl_pair_block *block);
+
+static dl_status find_runs(const dl_pair_problem *p, all_pairs *data, dl_error *error) {
+    data->run = calloc(2 * p->species, sizeof *data->run);
+    if (!data->run)
         return dl_fail_memory(error, "the all-pairs kernel");
-    return dl_padded_create(&kernel->problem, arrays, error);
+    for (size_t k = 0; k < p->particles; k++) {
+        int species = p->species_of[data->arrays.order[k]];
+        if (k == 0 || k == p->moving || data->run[data->runs - 1].species != species)
+            data->run[data->runs++] = (run){k, k, species};
+        data->run[data->runs - 1].end = k + 1;
+        if (k < p->moving)
+            data->moving_runs = data->runs;
+    }
+    return DL_OK;
+}
+
+static dl_status create(dl_kernel *kernel, dl_error *error) {
+    all_pairs *data = calloc(1, sizeof *data);
+    kernel->data = data;
+    if (!data)
+        return dl_fail_memory(error, "the all-pairs kernel");
+    dl_status status = dl_padded_create(&kernel->problem, &data->arrays, error);
+    if (status == DL_OK && kernel->problem.species_of)
+        status = find_runs(&kernel->problem, data, error);
+    return status;
 }
 
 static void destroy(dl_kernel *kernel) {
-    if (kernel->data)
-        dl_padded_destroy(kernel->data);
-    free(kernel->data);
+    all_pairs *data = kernel->data;
+    if (!data)
+        return;
+    dl_padded_destroy(&data->arrays);
+    free(data->run);
+    free(data);
+}
+
+/* Species by species, so that each block of pairs has one law. */
+static void blocks_of_species(const dl_kernel *kernel, dl_pair_arrays *pairs, block_loop *loop) {
+    const all_pairs *data = kernel->data;
+    const dl_pair_problem *p = &kernel->problem;
+    for (const run *a = data->run; a < data->run + data->moving_runs; a++)
+        for (const run *b = a; b < data->run + data->runs; b++) {
+            size_t law = (size_t)a->species * p->species + (size_t)b->species;
+            pairs->law = &p->law[law];
+            pairs->loops = kernel->loops[law];
+            if (pairs->law->pieces > 0)
+                loop(pairs, &(dl_pair_block){a->begin, a->end, b->begin, b->end});
+        }
+}
+
+static dl_status sum_pairs(dl_kernel *kernel, const double *x, const double *delta, double *f,
+                           dl_error *error) {
+    all_pairs *data = kernel->data;
+    const dl_pair_problem *p = &kernel->problem;
+    block_loop *loop = delta ? kernel->vector->block_discrete : kernel->vector->block;
+    dl_pair_arrays pairs;
+    dl_status status = dl_padded_load(kernel, &data->arrays, x, delta, &pairs, error);
+    if (status != DL_OK)
+        return status;
+    if (data->runs == 0)
+        loop(&pairs, &(dl_pair_block){0, p->moving, 0, p->particles});
+    else
+        blocks_of_species(kernel, &pairs, loop);
+    dl_padded_unload(kernel, &data->arrays, f);
+    return DL_OK;
 }
 
 static dl_status force(dl_kernel *kernel, const double *x, double *f, dl_error *error) {
-    dl_pair_arrays pairs;
-    dl_status status = dl_padded_load(kernel, kernel->data, x, NULL, &pairs, error);
-    if (status != DL_OK)
-        return status;
-    kernel->vector->all_pairs(&pairs);
-    dl_padded_unload(kernel, kernel->data, f);
-    return DL_OK;
+    return sum_pairs(kernel, x, NULL, f, error);
 }
 
 static dl_status discrete(dl_kernel *kernel, const double *x, const double *delta, double *f,
                           dl_error *error) {
-    dl_pair_arrays pairs;
-    dl_status status = dl_padded_load(kernel, kernel->data, x, delta, &pairs, error);
-    if (status != DL_OK)
-        return status;
-    kernel->vector->all_pairs_discrete(&pairs);
-    dl_padded_unload(kernel, kernel->data, f);
-    return DL_OK;
+    return sum_pairs(kernel, x, delta, f, error);
 }
 
 static dl_status rows(dl_kernel *kernel, const double *x, const double *delta, dl_pair_rows *out,

@@ -6,6 +6,7 @@
 #include <string.h>
 #include "force/cells.h"
 #include "force/kernel.h"
+#include "force/list_parts.h"
 
 /* Skin as a part of the cutoff where the scene does not say: the fastest, within noise, on the
  * settled fluid of TR323 (bench/). */
@@ -14,6 +15,7 @@ static const double default_skin = 0.4;
 typedef struct list_data {
     dl_cells cells;
     dl_list list;
+    dl_list_parts parts; /* of the list, where species differ */
     double reach, half_skin;
     bool built;
     double *origin; /* positions at the last build */
@@ -27,9 +29,8 @@ static dl_status create(dl_kernel *kernel, dl_error *error) {
     kernel->data = data;
     if (!data)
         return dl_fail_memory(error, "the neighbour-list kernel");
-    double cutoff = p->law->until[p->law->pieces - 1];
-    double skin = p->skin > 0 ? p->skin : default_skin * cutoff;
-    data->reach = cutoff + skin;
+    double skin = p->skin > 0 ? p->skin : default_skin * p->reach;
+    data->reach = p->reach + skin;
     data->half_skin = skin / 2;
     size_t block = (size_t)p->dimension * p->particles;
     data->origin = malloc(block * sizeof(double));
@@ -38,7 +39,7 @@ static dl_status create(dl_kernel *kernel, dl_error *error) {
     if (!data->origin || !data->end || !data->buffer)
         return dl_fail_memory(error, "the neighbour-list kernel");
     memset(data->buffer, 0, dl_row_buffer_size(0) * sizeof(double));
-    return DL_OK;
+    return dl_list_parts_create(p, &data->parts, error);
 }
 
 static void destroy(dl_kernel *kernel) {
@@ -46,6 +47,7 @@ static void destroy(dl_kernel *kernel) {
     if (!data)
         return;
     dl_cells_release(&data->cells, &data->list);
+    dl_list_parts_release(&data->parts);
     free(data->origin);
     free(data->end);
     free(data->buffer);
@@ -90,7 +92,9 @@ static dl_status build(dl_kernel *kernel, const double *x, const double *end, dl
     }
     data->built = false;
     dl_status status = dl_cells_build(&data->cells, &data->list, x, p->dimension, p->particles,
-                                      p->moving, reach, error);
+                                      p->moving, reach, p->box, error);
+    if (status == DL_OK)
+        status = dl_list_parts_fill(p, &data->list, &data->parts, error);
     if (status != DL_OK)
         return status;
     memcpy(data->origin, x, block * sizeof *x);
@@ -115,17 +119,21 @@ static dl_status refresh_step(dl_kernel *kernel, const double *x, const double *
     return build(kernel, x, data->end, error);
 }
 
-static dl_pair_arrays pair_arrays(const dl_kernel *kernel, const double *x, const double *delta,
-                                  double *f) {
+typedef void list_loop(const dl_pair_arrays *arrays, const dl_neighbours *neighbours);
+
+static void sum_pairs(const dl_kernel *kernel, const double *x, const double *delta, double *f) {
     const dl_pair_problem *p = &kernel->problem;
+    const list_data *data = kernel->data;
+    list_loop *loop = delta ? kernel->vector->list_discrete : kernel->vector->list;
     dl_pair_arrays pairs = {
         .dimension = p->dimension,
         .particles = p->particles,
         .moving = p->moving,
         .coupling = p->coupling,
-        .buffer = ((list_data *)kernel->data)->buffer,
+        .buffer = data->buffer,
+        .box = p->box,
         .law = p->law,
-        .loops = kernel->loops,
+        .loops = kernel->loops[0],
     };
     components(p, x, pairs.x);
     if (delta)
@@ -133,28 +141,30 @@ static dl_pair_arrays pair_arrays(const dl_kernel *kernel, const double *x, cons
     for (int c = 0; c < p->dimension; c++)
         pairs.f[c] = f + (size_t)c * p->particles;
     memset(f, 0, (size_t)p->dimension * p->particles * sizeof *f);
-    return pairs;
+    if (data->parts.count == 0)
+        loop(&pairs, &(dl_neighbours){data->list.start, data->list.neighbour});
+    for (size_t k = 0; k < data->parts.count; k++) {
+        const dl_list *part = &data->parts.part[k];
+        pairs.law = &p->law[k];
+        pairs.loops = kernel->loops[k];
+        if (pairs.law->pieces > 0)
+            loop(&pairs, &(dl_neighbours){part->start, part->neighbour});
+    }
 }
 
 static dl_status force(dl_kernel *kernel, const double *x, double *f, dl_error *error) {
-    const list_data *data = kernel->data;
     dl_status status = refresh(kernel, x, error);
-    if (status != DL_OK)
-        return status;
-    dl_pair_arrays pairs = pair_arrays(kernel, x, NULL, f);
-    kernel->vector->list(&pairs, &(dl_neighbours){data->list.start, data->list.neighbour});
-    return DL_OK;
+    if (status == DL_OK)
+        sum_pairs(kernel, x, NULL, f);
+    return status;
 }
 
 static dl_status discrete(dl_kernel *kernel, const double *x, const double *delta, double *f,
                           dl_error *error) {
-    const list_data *data = kernel->data;
     dl_status status = refresh_step(kernel, x, delta, error);
-    if (status != DL_OK)
-        return status;
-    dl_pair_arrays pairs = pair_arrays(kernel, x, delta, f);
-    kernel->vector->list_discrete(&pairs, &(dl_neighbours){data->list.start, data->list.neighbour});
-    return DL_OK;
+    if (status == DL_OK)
+        sum_pairs(kernel, x, delta, f);
+    return status;
 }
 
 static dl_status rows(dl_kernel *kernel, const double *x, const double *delta, dl_pair_rows *out,

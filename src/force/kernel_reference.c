@@ -1,7 +1,9 @@
 /* The readable kernel: a double loop over pairs that calls the law. Every other one is tested
  * against it.
  *
- *     F_i = sum_j coupling_i coupling_j (F(r)/r) (r_i - r_j)          TR323 (3.5)-(3.7) */
+ *     F_i = sum_j coupling_i coupling_j (F(r)/r) (r_i - r_j)          TR323 (3.5)-(3.7)
+ *
+ * with the law of the pair's species. */
 #include <string.h>
 #include "force/kernel.h"
 
@@ -19,50 +21,75 @@ static double coupling_of(const dl_pair_problem *p, size_t i, size_t j) {
     return p->coupling ? p->coupling[i] * p->coupling[j] : 1;
 }
 
+/* d = r_i - r_j, of the nearest copies where the box is periodic; returns its square. */
+static double separation(const dl_pair_problem *p, const double *x, size_t i, size_t j,
+                         double d[3]) {
+    double s = 0;
+    for (int c = 0; c < p->dimension; c++) {
+        const double *row = x + (size_t)c * p->particles;
+        d[c] = row[i] - row[j];
+        if (p->box)
+            d[c] -= dl_box_shift(p->box, c, d[c]);
+        s += d[c] * d[c];
+    }
+    return s;
+}
+
+static void add_force(const dl_pair_problem *p, size_t i, size_t j, double over_r,
+                      const double d[3], double *f) {
+    for (int c = 0; c < p->dimension; c++) {
+        f[(size_t)c * p->particles + i] += over_r * d[c];
+        f[(size_t)c * p->particles + j] -= over_r * d[c];
+    }
+}
+
 static dl_status force(dl_kernel *kernel, const double *x, double *f, dl_error *error) {
     (void)error;
     const dl_pair_problem *p = &kernel->problem;
-    size_t n = p->particles;
-    memset(f, 0, (size_t)p->dimension * n * sizeof *f);
+    memset(f, 0, (size_t)p->dimension * p->particles * sizeof *f);
     for (size_t i = 0; i < p->moving; i++)
-        for (size_t j = i + 1; j < n; j++) {
-            double d[3], s = 0;
-            for (int c = 0; c < p->dimension; c++) {
-                d[c] = x[(size_t)c * n + i] - x[(size_t)c * n + j];
-                s += d[c] * d[c];
-            }
-            double over_r = coupling_of(p, i, j) * dl_law_force_over_r(p->law, s);
-            for (int c = 0; c < p->dimension; c++) {
-                f[(size_t)c * n + i] += over_r * d[c];
-                f[(size_t)c * n + j] -= over_r * d[c];
-            }
+        for (size_t j = i + 1; j < p->particles; j++) {
+            double d[3], s = separation(p, x, i, j, d);
+            const dl_law *law = &p->law[dl_pair_law_index(p, i, j)];
+            add_force(p, i, j, coupling_of(p, i, j) * dl_law_force_over_r(law, s), d, f);
         }
     return DL_OK;
 }
 
+/* One copy of a pair on its way from d0 to d0 + change. */
+static void add_discrete(const dl_pair_problem *p, size_t i, size_t j, const double d0[3],
+                         const double change[3], double *f) {
+    double sum[3], s0 = 0, s1 = 0, ds = 0; /* sum = d0 + d1 */
+    for (int c = 0; c < p->dimension; c++) {
+        double d1 = d0[c] + change[c];
+        sum[c] = d0[c] + d1;
+        s0 += d0[c] * d0[c];
+        s1 += d1 * d1;
+        ds += change[c] * sum[c];
+    }
+    const dl_law *law = &p->law[dl_pair_law_index(p, i, j)];
+    add_force(p, i, j, coupling_of(p, i, j) * dl_law_discrete(law, s0, s1, ds, NULL), sum, f);
+}
+
+/* The potential of a periodic pair is the sum over its copies, and so is the discrete force: only
+ * the copy nearest at the start and the copy nearest at the end can be within reach at either, so
+ * that these two give the work exactly however long the step is. */
 static dl_status discrete(dl_kernel *kernel, const double *x, const double *delta, double *f,
                           dl_error *error) {
     (void)error;
     const dl_pair_problem *p = &kernel->problem;
-    size_t n = p->particles;
-    memset(f, 0, (size_t)p->dimension * n * sizeof *f);
+    memset(f, 0, (size_t)p->dimension * p->particles * sizeof *f);
     for (size_t i = 0; i < p->moving; i++)
-        for (size_t j = i + 1; j < n; j++) {
-            double sum[3], s0 = 0, s1 = 0, ds = 0; /* sum = d0 + d1 */
+        for (size_t j = i + 1; j < p->particles; j++) {
+            double d[3], change[3];
+            separation(p, x, i, j, d);
             for (int c = 0; c < p->dimension; c++) {
-                size_t k = (size_t)c * n;
-                double d0 = x[k + i] - x[k + j], change = delta[k + i] - delta[k + j];
-                double d1 = d0 + change;
-                sum[c] = d0 + d1;
-                s0 += d0 * d0;
-                s1 += d1 * d1;
-                ds += change * sum[c];
+                const double *row = delta + (size_t)c * p->particles;
+                change[c] = row[i] - row[j];
             }
-            double g = coupling_of(p, i, j) * dl_law_discrete(p->law, s0, s1, ds, NULL);
-            for (int c = 0; c < p->dimension; c++) {
-                f[(size_t)c * n + i] += g * sum[c];
-                f[(size_t)c * n + j] -= g * sum[c];
-            }
+            add_discrete(p, i, j, d, change, f);
+            if (p->box && dl_box_nearest_changes(p->box, p->dimension, d, change))
+                add_discrete(p, i, j, d, change, f);
         }
     return DL_OK;
 }

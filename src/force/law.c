@@ -2,8 +2,9 @@
 
 #include <math.h>
 #include <string.h>
+#include "force/law_taper.h"
 
-static double antiderivative(const dl_law *law, int piece, double r);
+/* --- preparation ------------------------------------------------------------------------------ */
 
 static void sort_terms(dl_piece *piece) {
     for (int i = 1; i < piece->terms; i++)
@@ -14,44 +15,158 @@ static void sort_terms(dl_piece *piece) {
         }
 }
 
-void dl_law_prepare(const dl_pair_law *source, dl_law *law) {
-    memset(law, 0, sizeof *law);
-    law->pieces = source->pieces;
-    law->integer = true;
-    for (int k = 0; k < source->pieces; k++) {
-        dl_piece piece = source->piece[k];
-        sort_terms(&piece);
-        law->until[k] = piece.until;
-        law->until2[k] = piece.until * piece.until;
-        law->terms[k] = piece.terms;
-        for (int s = 0; s < piece.terms; s++) {
-            double power = piece.term[s].power;
-            law->coefficient[k][s] = piece.term[s].coefficient;
-            law->power[k][s] = power;
-            if (power >= 2 && power <= 64 && power == floor(power))
-                law->whole_power[k][s] = (int)power;
-            else
-                law->integer = false;
-        }
-    }
-    if (law->pieces == 0)
-        return;
-    int last = law->pieces - 1;
-    law->cut = isfinite(law->until[last]);
-    if (law->cut)
-        law->constant[last] = -antiderivative(law, last, law->until[last]);
-    for (int k = last; k > 0; k--) {
-        double r = law->until[k - 1];
-        law->constant[k - 1] =
-            antiderivative(law, k, r) + law->constant[k] - antiderivative(law, k - 1, r);
+static void add_term(dl_law *law, int k, int *terms, double coefficient, double power) {
+    int s = law->terms[k] + law->next_terms[k];
+    law->coefficient[k][s] = coefficient;
+    law->power[k][s] = power;
+    if (power == floor(power) && (power == 0 || (power >= 2 && power <= 64)))
+        law->whole_power[k][s] = (int)power;
+    else
+        law->integer = false;
+    ++*terms;
+}
+
+/* The sum that a piece of the scene is, its shift included. */
+static void add_sum(dl_law *law, int k, int *terms, const dl_piece *source, double shift) {
+    dl_piece piece = *source;
+    sort_terms(&piece);
+    if (shift != 0)
+        add_term(law, k, terms, shift, 0);
+    for (int s = 0; s < piece.terms; s++)
+        add_term(law, k, terms, piece.term[s].coefficient, piece.term[s].power);
+}
+
+static void end_piece(dl_law *law, double until) {
+    law->until[law->pieces] = until;
+    law->until2[law->pieces] = until * until;
+    law->pieces++;
+}
+
+static double force_of(const dl_piece *piece, double r) {
+    double sum = 0;
+    for (int s = 0; s < piece->terms; s++)
+        sum += piece->term[s].coefficient * pow(r, -piece->term[s].power);
+    return sum;
+}
+
+/* What is added to the force of each piece: from the last inwards, for a piece is shifted to meet
+ * the next as that one has become. */
+static void find_shifts(const dl_pair_law *source, double *shift) {
+    for (int k = source->pieces - 1; k >= 0; k--) {
+        const dl_piece *piece = &source->piece[k];
+        shift[k] = 0;
+        if (piece->end != DL_END_SHIFTED_FORCE)
+            continue;
+        double r = piece->until;
+        double next = k + 1 < source->pieces ? force_of(piece + 1, r) + shift[k + 1] : 0;
+        shift[k] = next - force_of(piece, r);
     }
 }
+
+static void add_blend(const dl_pair_law *source, int from, const double *shift, dl_law *law) {
+    const dl_piece *piece = &source->piece[from];
+    int k = law->pieces;
+    law->end[k] = DL_END_TAPER;
+    law->width[k] = piece->width;
+    add_sum(law, k, &law->terms[k], piece, 0);
+    if (from + 1 < source->pieces)
+        add_sum(law, k, &law->next_terms[k], piece + 1, shift[from + 1]);
+    double largest = 0;
+    for (int s = 0; s < law->terms[k] + law->next_terms[k]; s++)
+        largest = fmax(largest, law->power[k][s]);
+    law->panel[k] = dl_taper_panel(largest);
+    end_piece(law, piece->until);
+}
+
+static double potential_in(const dl_law *law, int piece, double r);
+
+static void find_constants(dl_law *law) {
+    double v = 0; /* V at the end of piece k */
+    for (int k = law->pieces - 1; k >= 0; k--) {
+        law->constant[k] = v;
+        if (law->width[k] == 0 && isfinite(law->until[k])) {
+            law->constant[k] = 0;
+            law->constant[k] = v - potential_in(law, k, law->until[k]);
+        }
+        if (k > 0)
+            v = potential_in(law, k, law->until[k - 1]);
+    }
+}
+
+void dl_law_prepare(const dl_pair_law *source, dl_law *law) {
+    double shift[DL_MAX_PIECES];
+    memset(law, 0, sizeof *law);
+    law->integer = true;
+    find_shifts(source, shift);
+    for (int from = 0; from < source->pieces; from++) {
+        const dl_piece *piece = &source->piece[from];
+        bool tapers = piece->end == DL_END_TAPER;
+        law->end[law->pieces] = piece->end;
+        add_sum(law, law->pieces, &law->terms[law->pieces], piece, shift[from]);
+        end_piece(law, tapers ? piece->until - piece->width : piece->until);
+        if (tapers)
+            add_blend(source, from, shift, law);
+    }
+    law->cut = law->pieces > 0 && isfinite(law->until[law->pieces - 1]);
+    find_constants(law);
+}
+
+/* --- force and potential ---------------------------------------------------------------------- */
 
 int dl_law_piece(const dl_law *law, double r_squared) {
     int k = 0;
     while (k < law->pieces && r_squared > law->until2[k])
         k++;
     return k;
+}
+
+static double whole_power(double x, int n) {
+    double result = n & 1 ? x : 1;
+    for (n >>= 1; n > 0; n >>= 1) {
+        x *= x;
+        if (n & 1)
+            result *= x;
+    }
+    return result;
+}
+
+/* r^(-p - more) of term s. */
+static double power_of(const dl_law *law, int piece, int s, double r, int more) {
+    return law->integer ? whole_power(1 / r, law->whole_power[piece][s] + more)
+                        : pow(r, -law->power[piece][s] - more);
+}
+
+double dl_law_sum(const dl_law *law, int piece, int first, int terms, double r, int more) {
+    double sum = 0;
+    for (int s = first; s < first + terms; s++)
+        sum += law->coefficient[piece][s] * power_of(law, piece, s, r, more);
+    return sum;
+}
+
+double dl_law_sum_slope(const dl_law *law, int piece, int first, int terms, double r) {
+    double sum = 0;
+    for (int s = first; s < first + terms; s++)
+        sum -=
+            law->coefficient[piece][s] * (law->power[piece][s] + 1) * power_of(law, piece, s, r, 3);
+    return sum;
+}
+
+double dl_law_force_over_r(const dl_law *law, double r_squared) {
+    int k = dl_law_piece(law, r_squared);
+    if (k == law->pieces)
+        return 0;
+    double r = sqrt(r_squared);
+    return law->width[k] > 0 ? dl_taper_force_over_r(law, k, r)
+                             : dl_law_sum(law, k, 0, law->terms[k], r, 1);
+}
+
+double dl_law_force_slope(const dl_law *law, double r_squared) {
+    int k = dl_law_piece(law, r_squared);
+    if (k == law->pieces)
+        return 0;
+    double r = sqrt(r_squared);
+    return law->width[k] > 0 ? dl_taper_force_slope(law, k, r)
+                             : dl_law_sum_slope(law, k, 0, law->terms[k], r);
 }
 
 static double antiderivative(const dl_law *law, int piece, double r) {
@@ -63,129 +178,15 @@ static double antiderivative(const dl_law *law, int piece, double r) {
     return sum;
 }
 
-double dl_law_force_over_r(const dl_law *law, double r_squared) {
-    int k = dl_law_piece(law, r_squared);
-    if (k == law->pieces)
-        return 0;
-    double r = sqrt(r_squared), sum = 0;
-    for (int s = 0; s < law->terms[k]; s++)
-        sum += law->coefficient[k][s] * pow(r, -law->power[k][s] - 1);
-    return sum;
-}
-
-double dl_law_force_slope(const dl_law *law, double r_squared) {
-    int k = dl_law_piece(law, r_squared);
-    if (k == law->pieces)
-        return 0;
-    double r = sqrt(r_squared), sum = 0;
-    for (int s = 0; s < law->terms[k]; s++) {
-        double p = law->power[k][s];
-        sum -= law->coefficient[k][s] * (p + 1) * pow(r, -p - 3);
-    }
-    return sum;
+static double potential_in(const dl_law *law, int piece, double r) {
+    double until = law->until[piece];
+    double change = law->width[piece] > 0
+                        ? (until - r) * dl_taper_mean_force(law, piece, r, until, NULL)
+                        : antiderivative(law, piece, r);
+    return change + law->constant[piece];
 }
 
 double dl_law_potential(const dl_law *law, double r_squared) {
     int k = dl_law_piece(law, r_squared);
-    if (k == law->pieces)
-        return 0;
-    return antiderivative(law, k, sqrt(r_squared)) + law->constant[k];
-}
-
-/* x coth(x) - 1, from its series where x is small. */
-static double coth_excess(double x) {
-    double x2 = x * x;
-    if (x2 < 0.01)
-        return x2 / 3 * (1 - x2 / 15 * (1 - x2 * 2 / 21 * (1 - x2 / 10 * (1 - x2 * 10 / 99))));
-    return x / tanh(x) - 1;
-}
-
-/* sinh(k u/2)/(k sinh u), whose limits are u/(2 sinh u) for k = 0 and 1/2 for u = 0. */
-static double sinh_quotient(double k, double u) {
-    double half = k * u / 2;
-    double above = fabs(half) < 1e-4 ? 1 + half * half / 6 : sinh(half) / half;
-    double below = fabs(u) < 1e-4 ? 1 + u * u / 6 : sinh(u) / u;
-    return above / below / 2;
-}
-
-/* One term, any real power: G = c rho^(-k-2) sinh(k u/2)/(k sinh u), k = p - 1. */
-static double discrete_real(double c, double p, double s0, double s1, double ds, double *slope) {
-    double k = p - 1;
-    double u = log1p(ds / s0) / 2;
-    double rho2 = sqrt(s0) * sqrt(s1);
-    double g = c * pow(rho2, -(k + 2) / 2) * sinh_quotient(k, u);
-    if (slope) {
-        double excess = fabs(u) < 1e-8 ? u * (k * k / 4 - 1) / 3
-                                       : (coth_excess(k * u / 2) - coth_excess(u)) / u;
-        *slope = g * (excess / (2 * s1) - (k + 2) / (4 * s1));
-    }
-    return g;
-}
-
-/* One term, whole power: with a = 1/r0, b = 1/r1, n = p - 1 and S = sum_{m<n} a^m b^(n-1-m),
- *     G = (c/n) a b S / (r0 + r1). */
-static double discrete_whole(double c, int p, double s0, double s1, double *slope) {
-    double r0 = sqrt(s0), r1 = sqrt(s1), a = 1 / r0, b = 1 / r1;
-    int n = p - 1;
-    double sum = 1, sum_b = 0, b_power = 1; /* S, dS/db, b^m */
-    for (int m = 1; m < n; m++) {
-        sum_b = a * sum_b + m * b_power;
-        b_power *= b;
-        sum = a * sum + b_power;
-    }
-    double scale = c / n * a * b / (r0 + r1);
-    if (slope)
-        *slope = scale * (-(sum + b * sum_b) * b * b / 2 - sum * b / (2 * (r0 + r1)));
-    return scale * sum;
-}
-
-static double discrete_piece(const dl_law *law, int piece, double s0, double s1, double ds,
-                             double *slope) {
-    double g = 0, one = 0;
-    if (slope)
-        *slope = 0;
-    for (int s = 0; s < law->terms[piece]; s++) {
-        double c = law->coefficient[piece][s];
-        g += law->integer
-                 ? discrete_whole(c, law->whole_power[piece][s], s0, s1, slope ? &one : NULL)
-                 : discrete_real(c, law->power[piece][s], s0, s1, ds, slope ? &one : NULL);
-        if (slope)
-            *slope += one;
-    }
-    return g;
-}
-
-/* From s0 to s1 over pieces: each part weighs (its share of s1 - s0), in [0, 1]. */
-static double discrete_across(const dl_law *law, int from, int to, double s0, double s1,
-                              double ds) {
-    int low = from < to ? from : to, high = from < to ? to : from;
-    double near = from < to ? s0 : s1, far = from < to ? s1 : s0, length = fabs(ds), g = 0;
-    for (int k = low; k <= high && k < law->pieces; k++) {
-        double begin = k == low ? near : law->until2[k - 1];
-        double end = k == high ? far : law->until2[k];
-        double share = fmin(1, (end - begin) / length);
-        if (share > 0)
-            g += share * discrete_piece(law, k, begin, end, end - begin, NULL);
-    }
-    return g;
-}
-
-double dl_law_discrete(const dl_law *law, double s0, double s1, double ds, double *slope) {
-    int from = dl_law_piece(law, s0), to = dl_law_piece(law, s1);
-    if (from == to && from == law->pieces) {
-        if (slope)
-            *slope = 0;
-        return 0;
-    }
-    if (from == to)
-        return discrete_piece(law, from, s0, s1, ds, slope);
-    if (ds == 0) { /* both ends on the breakpoint, to roundoff */
-        if (slope)
-            *slope = 0;
-        return (dl_law_force_over_r(law, s0) + dl_law_force_over_r(law, s1)) / 4;
-    }
-    double g = discrete_across(law, from, to, s0, s1, ds);
-    if (slope) /* G (s1 - s0) = -(V1 - V0), differentiated by s1 */
-        *slope = (dl_law_force_over_r(law, s1) / 2 - g) / ds;
-    return g;
+    return k == law->pieces ? 0 : potential_in(law, k, sqrt(r_squared));
 }

@@ -5,7 +5,11 @@
  *
  * The constant of each piece makes V continuous and zero at the last breakpoint, or at infinity
  * where the last piece never ends, so that the exact flow conserves K + V even where F jumps. All
- * quantities are for coupling 1; a pair's are coupling_i coupling_j times these. */
+ * quantities are for coupling 1; a pair's are coupling_i coupling_j times these.
+ *
+ * A scene's piece whose end is shifted has a constant force, power 0, among its terms. One that is
+ * tapered becomes two: what comes before the taper, and a blend F = S A + (1 - S) B of its own sum
+ * A and that of the next piece B (0 beyond the last), law_taper.h. */
 #ifndef DL_FORCE_LAW_H
 #define DL_FORCE_LAW_H
 
@@ -13,23 +17,37 @@
 #include <stddef.h>
 #include "driftlab/scene.h"
 
+enum {
+    dl_law_pieces = 2 * DL_MAX_PIECES,   /* each with its taper */
+    dl_law_terms = 2 * DL_MAX_TERMS + 1, /* a blend's own, the next piece's and its shift */
+};
+
 typedef struct dl_law {
     int pieces;
-    bool cut;                       /* the last piece ends */
-    bool integer;                   /* every power is a whole number >= 2 */
-    double until[DL_MAX_PIECES];    /* r; INFINITY for the last where it never ends */
-    double until2[DL_MAX_PIECES];   /* r^2 */
-    double constant[DL_MAX_PIECES]; /* of V */
-    int terms[DL_MAX_PIECES];
-    double coefficient[DL_MAX_PIECES][DL_MAX_TERMS];
-    double power[DL_MAX_PIECES][DL_MAX_TERMS];    /* ascending */
-    int whole_power[DL_MAX_PIECES][DL_MAX_TERMS]; /* the same where `integer` */
+    bool cut;                        /* the last piece ends */
+    bool integer;                    /* every power is a whole number >= 2, or a shift's 0 */
+    dl_piece_end end[dl_law_pieces]; /* of the scene's piece, for a blend and what precedes it */
+    double until[dl_law_pieces];     /* r; INFINITY for the last where it never ends */
+    double until2[dl_law_pieces];    /* r^2 */
+    double constant[dl_law_pieces];  /* of V; for a blend V(until) */
+    double width[dl_law_pieces];     /* of the blend; 0: the piece is a sum of powers */
+    double panel[dl_law_pieces];     /* of a blend, law_taper.h */
+    int terms[dl_law_pieces];        /* of the sum, or of A */
+    int next_terms[dl_law_pieces];   /* of B; they stand behind the `terms` of A */
+    double coefficient[dl_law_pieces][dl_law_terms];
+    double power[dl_law_pieces][dl_law_terms];    /* ascending in each sum */
+    int whole_power[dl_law_pieces][dl_law_terms]; /* the same where `integer` */
 } dl_law;
 
 void dl_law_prepare(const dl_pair_law *source, dl_law *law);
 
 /* Piece that r lies in, its upper end included; law->pieces beyond a cutoff. */
 int dl_law_piece(const dl_law *law, double r_squared);
+
+/* sum_s c_s r^(-p_s - more) over `terms` terms of a piece from `first` on. */
+double dl_law_sum(const dl_law *law, int piece, int first, int terms, double r, int more);
+/* sum_s -(p_s + 1) c_s r^(-p_s - 3): (1/r) d(F/r)/dr of a sum. */
+double dl_law_sum_slope(const dl_law *law, int piece, int first, int terms, double r);
 
 /* F(r)/r. */
 double dl_law_force_over_r(const dl_law *law, double r_squared);
@@ -41,8 +59,9 @@ double dl_law_potential(const dl_law *law, double r_squared);
  *     G = -(V(r1) - V(r0)) / (s1 - s0),   s = r^2,
  * with which the pair's discrete force on i is G (d0 + d1). `ds` is s1 - s0, formed without
  * cancellation. Whole powers use the paper's sums, others
- *     (r1^-k - r0^-k)/(s1 - s0) = -rho^(-k-2) sinh(k u/2)/sinh(u),  u = log(r1/r0), rho^2 = r0 r1;
- * a path across breakpoints is the sum of its parts. *slope (NULL: not wanted) is dG/ds1. */
+ *     (r1^-k - r0^-k)/(s1 - s0) = -rho^(-k-2) sinh(k u/2)/sinh(u),  u = log(r1/r0), rho^2 = r0 r1,
+ * blends the mean of their force, law_taper.h; a path across breakpoints is the sum of its parts.
+ * *slope (NULL: not wanted) is dG/ds1. */
 double dl_law_discrete(const dl_law *law, double s0, double s1, double ds, double *slope);
 
 #endif

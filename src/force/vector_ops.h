@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include "force/box.h"
 #include "force/law.h"
 
 /* Lanes of the widest variant: arrays that the loops may read or write past their end are longer
@@ -28,15 +29,21 @@ typedef struct dl_law_loops {
 /* Positions and forces of the particles, one padded array a component. */
 typedef struct dl_pair_arrays {
     int dimension;
-    size_t particles, moving; /* pairs (i, j): i < moving, i < j */
+    size_t particles, moving; /* of a list: pairs (i, j) with i < moving, i < j */
     const double *coupling;   /* [particles + pad], NULL: all 1 */
     const double *x[3];       /* positions */
     const double *delta[3];   /* displacements over a step; discrete loops only */
     double *f[3];             /* forces, added to */
     double *buffer;           /* dl_row_buffer_size(particles) doubles */
-    const dl_law *law;
+    const dl_box *box;        /* NULL: nothing is periodic */
+    const dl_law *law;        /* of the pairs that the call is for */
     const dl_law_loops *loops;
 } dl_pair_arrays;
+
+/* Pairs (i, j) with begin <= i < end, partners_begin <= j < partners_end, i < j. */
+typedef struct dl_pair_block {
+    size_t begin, end, partners_begin, partners_end;
+} dl_pair_block;
 
 /* Neighbour rows: j of row i in neighbour[start[i]] ... neighbour[start[i + 1] - 1], j > i. */
 typedef struct dl_neighbours {
@@ -46,8 +53,8 @@ typedef struct dl_neighbours {
 typedef struct dl_vector_ops {
     const char *name; /* "plain", "avx2", "avx512" */
     const dl_law_loops *(*loops_for)(const dl_law *law);
-    void (*all_pairs)(const dl_pair_arrays *arrays);
-    void (*all_pairs_discrete)(const dl_pair_arrays *arrays);
+    void (*block)(const dl_pair_arrays *arrays, const dl_pair_block *block);
+    void (*block_discrete)(const dl_pair_arrays *arrays, const dl_pair_block *block);
     void (*list)(const dl_pair_arrays *arrays, const dl_neighbours *neighbours);
     void (*list_discrete)(const dl_pair_arrays *arrays, const dl_neighbours *neighbours);
     /* Whether a component of x is farther than `limit` from origin's (or not a number). */

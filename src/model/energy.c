@@ -8,8 +8,9 @@ typedef struct pair_sum {
 } pair_sum;
 
 static void add_pair(const dl_model *model, const dl_pair *pair, void *context) {
+    (void)model;
     pair_sum *sums = context;
-    double v = pair->coupling * dl_law_potential(&model->priv->law, pair->s);
+    double v = pair->coupling * dl_law_potential(pair->law, pair->s);
     sums->sum += v;
     sums->moduli += fabs(v);
 }

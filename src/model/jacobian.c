@@ -10,8 +10,8 @@
 typedef void dl_block_of(const dl_model *model, const dl_pair *pair, double block[3][3]);
 
 static void block_of_force(const dl_model *model, const dl_pair *pair, double block[3][3]) {
-    double f = pair->coupling * dl_law_force_over_r(&model->priv->law, pair->s);
-    double g = pair->coupling * dl_law_force_slope(&model->priv->law, pair->s);
+    double f = pair->coupling * dl_law_force_over_r(pair->law, pair->s);
+    double g = pair->coupling * dl_law_force_slope(pair->law, pair->s);
     for (int r = 0; r < model->dimension; r++)
         for (int c = 0; c < model->dimension; c++)
             block[r][c] = (r == c ? f : 0) + g * pair->d[r] * pair->d[c];
@@ -19,8 +19,7 @@ static void block_of_force(const dl_model *model, const dl_pair *pair, double bl
 
 static void block_of_discrete(const dl_model *model, const dl_pair *pair, double block[3][3]) {
     double slope;
-    double g =
-        pair->coupling * dl_law_discrete(&model->priv->law, pair->s, pair->s1, pair->ds, &slope);
+    double g = pair->coupling * dl_law_discrete(pair->law, pair->s, pair->s1, pair->ds, &slope);
     slope *= pair->coupling;
     for (int r = 0; r < model->dimension; r++)
         for (int c = 0; c < model->dimension; c++) {
@@ -39,6 +38,10 @@ static size_t partner(const dl_pair_rows *rows, size_t k) {
 
 static void row_range(const dl_model *model, size_t i, size_t *begin, size_t *end) {
     const dl_pair_rows *rows = &model->priv->rows;
+    if (!model->kernel) { /* no pair law: no partners */
+        *begin = *end = 0;
+        return;
+    }
     *begin = rows->start ? (size_t)rows->start[i] : i + 1;
     *end = rows->start ? (size_t)rows->start[i + 1] : model->particles;
 }
@@ -144,9 +147,8 @@ static void write_pattern(dl_model *model, const adjacency *graph) {
 dl_status dl_model_sparsity(dl_model *model, const double *q, const double *delta,
                             const dl_sparsity **sparsity, dl_error *error) {
     struct dl_model_private *priv = model->priv;
-    static const int no_pairs[1] = {0};
     dl_status status = DL_OK;
-    dl_pair_rows rows = {NULL, no_pairs, 1};
+    dl_pair_rows rows = {.generation = 1};
     if (model->kernel)
         status =
             model->kernel->ops->rows(model->kernel, dl_model_places(model, q),
@@ -227,9 +229,13 @@ static dl_status assemble(dl_model *model, const double *q, const double *delta,
     model->counts.jacobian++;
     memset(values, 0, sparsity->nonzeros * sizeof *values);
     assembly job = {values, block_of};
-    return dl_model_visit_pairs(model, dl_model_places(model, q),
-                                delta ? dl_model_shifts(model, delta) : NULL, assemble_pair, &job,
-                                error);
+    status = dl_model_visit_pairs(model, dl_model_places(model, q),
+                                  delta ? dl_model_shifts(model, delta) : NULL, assemble_pair, &job,
+                                  error);
+    for (size_t k = 0; model->held && k < sparsity->nonzeros; k++)
+        if (model->held[sparsity->row[k]])
+            values[k] = 0;
+    return status;
 }
 
 dl_status dl_model_jacobian(dl_model *model, const double *q, double *values, dl_error *error) {
@@ -277,5 +283,8 @@ dl_status dl_model_jacobian_vector(dl_model *model, const double *q, const doubl
     for (size_t c = 0; inverse && c < (size_t)model->dimension; c++)
         for (size_t k = 0; k < model->moving; k++)
             out[c * model->moving + k] *= inverse[k];
+    for (size_t k = 0; model->held && k < model->unknowns; k++)
+        if (model->held[k])
+            out[k] = 0;
     return status;
 }

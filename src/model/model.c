@@ -28,6 +28,32 @@ static void order_particles(dl_model *model) {
     model->unknowns = (size_t)model->dimension * model->moving;
 }
 
+/* The scene's law, or those of its species' pairs. */
+static dl_status fill_laws(dl_model *model, dl_error *error) {
+    const dl_scene *scene = model->scene;
+    struct dl_model_private *priv = model->priv;
+    const dl_pair_law *source = scene->species > 0 ? scene->species_law : &scene->law;
+    size_t species = scene->species > 0 ? scene->species : 1;
+    priv->law = calloc(species * species, sizeof *priv->law);
+    if (species > 1)
+        priv->species_of = malloc(model->particles * sizeof *priv->species_of);
+    if (!priv->law || (species > 1 && !priv->species_of))
+        return dl_fail_memory(error, "the model's pair laws");
+    dl_pair_problem *problem = &priv->problem;
+    for (size_t k = 0; k < species * species; k++) {
+        dl_law *law = &priv->law[k];
+        dl_law_prepare(&source[k], law);
+        if (law->pieces > 0)
+            problem->reach = fmax(problem->reach, law->until[law->pieces - 1]);
+    }
+    for (size_t k = 0; priv->species_of && k < model->particles; k++)
+        priv->species_of[k] = scene->species_of[priv->order[k]];
+    problem->law = priv->law;
+    problem->species = species;
+    problem->species_of = priv->species_of;
+    return DL_OK;
+}
+
 static dl_status fill_particles(dl_model *model, dl_error *error) {
     const dl_scene *scene = model->scene;
     struct dl_model_private *priv = model->priv;
@@ -44,7 +70,7 @@ static dl_status fill_particles(dl_model *model, dl_error *error) {
         for (size_t k = 0; k < moving; k++)
             priv->inverse_inertia[k] = 1 / priv->inertia[k];
     }
-    if (priv->law.pieces > 0 && !all_one(scene->coupling, priv->order, particles)) {
+    if (priv->problem.reach > 0 && !all_one(scene->coupling, priv->order, particles)) {
         priv->coupling = calloc(particles + DL_VECTOR_PAD, sizeof(double));
         if (!priv->coupling)
             return dl_fail_memory(error, "the model's couplings");
@@ -88,20 +114,31 @@ static dl_status fill_pins(dl_model *model, dl_error *error) {
     return DL_OK;
 }
 
+static void fill_box(dl_model *model) {
+    struct dl_model_private *priv = model->priv;
+    if (!model->has_periods)
+        return;
+    for (int c = 0; c < model->dimension; c++) {
+        double length = model->scene->periods.length[c];
+        priv->box.length[c] = length;
+        priv->box.inverse[c] = length > 0 ? 1 / length : 0;
+    }
+    priv->problem.box = &priv->box;
+}
+
 static dl_status fill_kernel(dl_model *model, dl_error *error) {
     struct dl_model_private *priv = model->priv;
+    dl_pair_problem *problem = &priv->problem;
     priv->vector = dl_vector_best();
-    if (priv->law.pieces == 0)
+    if (problem->reach == 0)
         return DL_OK;
-    dl_pair_problem problem = {
-        .dimension = model->dimension,
-        .particles = model->particles,
-        .moving = model->moving,
-        .coupling = priv->coupling,
-        .law = &priv->law,
-        .skin = model->scene->skin,
-    };
-    return dl_kernel_create(&problem, model->scene->kernel, &model->kernel, error);
+    problem->dimension = model->dimension;
+    problem->particles = model->particles;
+    problem->moving = model->moving;
+    problem->coupling = priv->coupling;
+    problem->skin = model->scene->skin;
+    fill_box(model);
+    return dl_kernel_create(problem, model->scene->kernel, &model->kernel, error);
 }
 
 dl_status dl_model_create(const dl_scene *scene, dl_model **model, dl_error *error) {
@@ -113,6 +150,8 @@ dl_status dl_model_create(const dl_scene *scene, dl_model **model, dl_error *err
     made->dimension = scene->dimension;
     made->particles = scene->particles;
     made->has_walls = scene->walls.present;
+    made->has_periods = scene->periods.present;
+    made->has_radiation = scene->radiation.present;
     made->acceleration = accelerate;
     made->discrete_acceleration = accelerate_discrete;
     made->priv = calloc(1, sizeof *made->priv);
@@ -123,10 +162,10 @@ dl_status dl_model_create(const dl_scene *scene, dl_model **model, dl_error *err
             status = dl_fail_memory(error, "a model");
     }
     if (status == DL_OK) {
-        dl_law_prepare(&scene->law, &made->priv->law);
         order_particles(made);
-        status = fill_particles(made, error);
+        status = fill_laws(made, error);
     }
+    status = status == DL_OK ? fill_particles(made, error) : status;
     status = status == DL_OK ? fill_gravity(made, error) : status;
     status = status == DL_OK ? fill_pins(made, error) : status;
     status = status == DL_OK ? fill_kernel(made, error) : status;
@@ -145,6 +184,8 @@ void dl_model_free(dl_model *model) {
     struct dl_model_private *priv = model->priv;
     if (priv) {
         free(priv->order);
+        free(priv->law);
+        free(priv->species_of);
         free(priv->coupling);
         free(priv->inertia);
         free(priv->inverse_inertia);
@@ -247,6 +288,13 @@ static dl_status gravity_alone(dl_model *model, double *a, dl_error *error) {
     return DL_OK;
 }
 
+/* What rests on a wall is out of the dynamics. */
+static void hold(const dl_model *model, double *a) {
+    for (size_t u = 0; u < model->unknowns; u++)
+        if (model->held[u])
+            a[u] = 0;
+}
+
 static dl_status accelerate(dl_model *model, const double *q, double *a, dl_error *error) {
     if (!model->kernel)
         return gravity_alone(model, a, error);
@@ -268,7 +316,10 @@ static dl_status accelerate_discrete(dl_model *model, const double *q, const dou
 
 dl_status dl_model_acceleration(dl_model *model, const double *q, double *a, dl_error *error) {
     model->counts.force++;
-    return model->acceleration(model, q, a, error);
+    const dl_status status = model->acceleration(model, q, a, error);
+    if (model->held)
+        hold(model, a);
+    return status;
 }
 
 dl_status dl_model_rhs(dl_model *model, const double *y, double *ydot, dl_error *error) {
@@ -279,7 +330,10 @@ dl_status dl_model_rhs(dl_model *model, const double *y, double *ydot, dl_error 
 dl_status dl_model_discrete_acceleration(dl_model *model, const double *q, const double *delta,
                                          double *a, dl_error *error) {
     model->counts.force++;
-    return model->discrete_acceleration(model, q, delta, a, error);
+    const dl_status status = model->discrete_acceleration(model, q, delta, a, error);
+    if (model->held)
+        hold(model, a);
+    return status;
 }
 
 unsigned long dl_model_list_builds(const dl_model *model) {

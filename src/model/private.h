@@ -7,7 +7,10 @@
 #include "force/law.h"
 
 struct dl_model_private {
-    dl_law law;
+    dl_law *law;             /* [species * species], or one */
+    int *species_of;         /* [particles]; NULL: one law */
+    dl_box box;              /* where the scene is periodic */
+    dl_pair_problem problem; /* what the kernel and the walks over pairs go by */
     size_t *order;    /* [particles]: row in the scene of particle k here; moving ones first */
     double *coupling; /* [particles + pad], zeros behind; NULL: all 1 */
     double *inertia;  /* [moving] */
@@ -34,6 +37,7 @@ const double *dl_model_shifts(dl_model *model, const double *delta);
 /* Walks over the candidate pairs that act at x (and x + delta). */
 typedef struct dl_pair {
     size_t i, j;
+    const dl_law *law;
     double coupling;          /* coupling_i coupling_j */
     double d[3], s;           /* separation r_i - r_j and its square */
     double change[3], s1, ds; /* with a delta: change of d, square at the end, s1 - s */
@@ -42,7 +46,9 @@ typedef struct dl_pair {
 typedef void dl_pair_visitor(const dl_model *model, const dl_pair *pair, void *context);
 
 /* Calls `visit` for every pair i < moving, i < j among the kernel's rows. x, delta over all
- * particles; delta may be NULL. */
+ * particles; delta may be NULL. In a periodic box separations are those of the nearest copies, and
+ * with delta a pair whose nearest copy changes on the way is visited twice: for the copy nearest at
+ * the start and for that nearest at the end (force/kernel_reference.c says why). */
 dl_status dl_model_visit_pairs(dl_model *model, const double *x, const double *delta,
                                dl_pair_visitor *visit, void *context, dl_error *error);
 

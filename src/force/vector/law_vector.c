@@ -1,5 +1,6 @@
 /* Loops over squared distances. With the powers known at compile time (law_shapes.def) a term is a
  * few multiplications; other whole powers loop; real powers call pow. */
+#include "force/law_taper.h"
 #include "force/vector/vector.h"
 
 typedef struct shape {
@@ -114,26 +115,112 @@ DL_INLINE void discrete_loop(const dl_law *law, shape form, const double *s0, co
 #include "force/vector/law_shapes.def"
 #undef DL_SHAPE
 
+/* --- any whole powers ------------------------------------------------------------------------- */
+
+/* sum c r^(-p - more) over `terms` terms from `first` on. */
+DL_INLINE vector sum_of(const dl_law *law, int piece, int first, int terms, int more,
+                        vector inverse, vector inverse2) {
+    vector sum = splat(0);
+    for (int t = first; t < first + terms; t++)
+        sum += law->coefficient[piece][t] *
+               whole_power(inverse, inverse2, law->whole_power[piece][t] + more);
+    return sum;
+}
+
+/* A taper's force times r^-more, law_taper.h. */
+DL_INLINE vector blend(const dl_law *law, int piece, vector r, vector inverse, int more) {
+    vector v = (law->until[piece] - r) * (1 / law->width[piece]);
+    v = choose(v < 0, splat(0), v);
+    v = choose(v > 1, splat(1), v);
+    vector s = v * v * v * (10 + v * (6 * v - 15)), inverse2 = inverse * inverse;
+    int terms = law->terms[piece], next = law->next_terms[piece];
+    vector force = s * sum_of(law, piece, 0, terms, more, inverse, inverse2);
+    if (next > 0)
+        force += (1 - s) * sum_of(law, piece, terms, next, more, inverse, inverse2);
+    return force;
+}
+
 static void whole_force(const dl_law *law, const double *s, double *f, size_t count) {
     for (size_t k = 0; k < count; k += DL_LANES) {
         vector s_k = load(s + k), inverse = inverse_sqrt(s_k), inverse2 = inverse * inverse;
         vector value = splat(0);
         for (int piece = law->pieces - 1; piece >= 0; piece--) {
-            vector here = piece_force(law, piece, law->terms[piece], law->whole_power[piece],
-                                      inverse, inverse2);
+            vector here = law->width[piece] > 0
+                              ? blend(law, piece, s_k * inverse, inverse, 1)
+                              : sum_of(law, piece, 0, law->terms[piece], 1, inverse, inverse2);
             value = choose(s_k <= law->until2[piece], here, value);
         }
         store(f + k, value);
     }
 }
 
+/* G r0 r1 r0 r1/(r0 + r1) of a sum, as in discrete_loop; power 0 has the force's mean, c. */
+DL_INLINE vector sum_discrete(const dl_law *law, int piece, vector a, vector b) {
+    vector sum = splat(0), r0_r1 = 1 / (a * b);
+    for (int t = 0; t < law->terms[piece]; t++) {
+        int n = law->whole_power[piece][t] - 1;
+        if (n < 0)
+            sum += law->coefficient[piece][t] * r0_r1;
+        else
+            sum += law->coefficient[piece][t] / n * power_sum(a, b, n);
+    }
+    return sum;
+}
+
+/* The same of a taper whose path is within a panel. */
+DL_INLINE vector blend_discrete(const dl_law *law, int piece, vector a, vector b, vector length) {
+    vector r0_r1 = 1 / (a * b), centre = (a + b) * r0_r1 / 2, half = length / 2, mean = splat(0);
+    for (int n = 0; n < dl_gauss_points / 2; n++) {
+        vector above = centre + half * dl_gauss_zero[n], below = centre - half * dl_gauss_zero[n];
+        mean += dl_gauss_weight[n] *
+                (blend(law, piece, above, 1 / above, 0) + blend(law, piece, below, 1 / below, 0));
+    }
+    return mean * r0_r1;
+}
+
+/* One vector of pairs. *alone: lanes that cross a breakpoint or, in a taper, more than a panel. */
+DL_INLINE vector whole_discrete_of(const dl_law *law, vector from, vector to, vector ds,
+                                   lane_mask *alone) {
+    vector a = inverse_sqrt(from), b = inverse_sqrt(to), ab = a * b, value = splat(0);
+    lane_mask done = {0};
+    for (int piece = 0; piece < law->pieces; piece++) {
+        lane_mask in0 = from <= law->until2[piece], in1 = to <= law->until2[piece];
+        lane_mask within = in0 & ~done;
+        done = in0;
+        *alone |= in0 ^ in1;
+        if (!any_lane(within))
+            continue;
+        vector here;
+        if (law->width[piece] > 0) {
+            double panel = law->panel[piece];
+            *alone |= within & ((a > panel * b) | (b > panel * a));
+            here = blend_discrete(law, piece, a, b, ds * ab / (a + b));
+        } else {
+            here = sum_discrete(law, piece, a, b);
+        }
+        value = choose(within, here, value);
+    }
+    return value * ab * ab / (a + b);
+}
+
+static void whole_discrete(const dl_law *law, const double *s0, const double *s1, const double *ds,
+                           double *g, size_t count) {
+    for (size_t k = 0; k < count; k += DL_LANES) {
+        lane_mask alone = {0};
+        store(g + k, whole_discrete_of(law, load(s0 + k), load(s1 + k), load(ds + k), &alone));
+        if (any_lane(alone))
+            for (size_t lane = k; lane < k + DL_LANES; lane++)
+                if (alone[lane - k])
+                    g[lane] = dl_law_discrete(law, s0[lane], s1[lane], ds[lane], NULL);
+    }
+}
 static void real_force(const dl_law *law, const double *s, double *f, size_t count) {
     for (size_t k = 0; k < count; k++)
         f[k] = dl_law_force_over_r(law, s[k]);
 }
 
-static void any_discrete(const dl_law *law, const double *s0, const double *s1, const double *ds,
-                         double *g, size_t count) {
+static void real_discrete(const dl_law *law, const double *s0, const double *s1, const double *ds,
+                          double *g, size_t count) {
     for (size_t k = 0; k < count; k++)
         g[k] = dl_law_discrete(law, s0[k], s1[k], ds[k], NULL);
 }
@@ -151,7 +238,7 @@ static bool fits(const dl_law *law, const shape *form) {
     if (!law->integer || law->pieces != form->pieces || law->cut != form->cut)
         return false;
     for (int k = 0; k < form->pieces; k++) {
-        if (law->terms[k] != form->terms[k])
+        if (law->width[k] > 0 || law->terms[k] != form->terms[k])
             return false;
         for (int t = 0; t < form->terms[k]; t++)
             if (law->whole_power[k][t] != form->power[k][t])
@@ -161,8 +248,8 @@ static bool fits(const dl_law *law, const shape *form) {
 }
 
 const dl_law_loops *DL_VARIANT(dl_loops_for)(const dl_law *law) {
-    static const dl_law_loops whole = {"whole powers", whole_force, any_discrete};
-    static const dl_law_loops real = {"real powers", real_force, any_discrete};
+    static const dl_law_loops whole = {"whole powers", whole_force, whole_discrete};
+    static const dl_law_loops real = {"real powers", real_force, real_discrete};
     for (size_t k = 0; k < sizeof specialised / sizeof *specialised; k++)
         if (fits(law, &specialised[k].form))
             return &specialised[k].loops;

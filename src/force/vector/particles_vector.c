@@ -60,8 +60,8 @@ const dl_vector_ops DL_VARIANT(dl_vector_ops) = {
 #define DL_TEXT(name)  DL_TEXT2(name)
     .name = DL_TEXT(DL_ISA),
     .loops_for = DL_VARIANT(dl_loops_for),
-    .all_pairs = DL_VARIANT(dl_all_pairs),
-    .all_pairs_discrete = DL_VARIANT(dl_all_pairs_discrete),
+    .block = DL_VARIANT(dl_block),
+    .block_discrete = DL_VARIANT(dl_block_discrete),
     .list = DL_VARIANT(dl_list),
     .list_discrete = DL_VARIANT(dl_list_discrete),
     .moved = DL_VARIANT(dl_moved),

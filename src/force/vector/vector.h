@@ -86,8 +86,8 @@ DL_INLINE size_t padded(size_t count) {
 
 /* Parts of the family for one instruction set. */
 const dl_law_loops *DL_VARIANT(dl_loops_for)(const dl_law *law);
-void DL_VARIANT(dl_all_pairs)(const dl_pair_arrays *arrays);
-void DL_VARIANT(dl_all_pairs_discrete)(const dl_pair_arrays *arrays);
+void DL_VARIANT(dl_block)(const dl_pair_arrays *arrays, const dl_pair_block *block);
+void DL_VARIANT(dl_block_discrete)(const dl_pair_arrays *arrays, const dl_pair_block *block);
 void DL_VARIANT(dl_list)(const dl_pair_arrays *arrays, const dl_neighbours *neighbours);
 void DL_VARIANT(dl_list_discrete)(const dl_pair_arrays *arrays, const dl_neighbours *neighbours);
 bool DL_VARIANT(dl_moved)(const double *const *x, const double *const *origin, int dimension,
