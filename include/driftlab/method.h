@@ -38,13 +38,19 @@ typedef struct dl_method_ops {
     dl_status (*create)(dl_method *method, dl_error *error);
     /* One accepted step of its own, from t to a time at or before t_stop; sets t and y to the
      * method's own values there (never interpolated). On failure t and y are as before. A
-     * fixed-step method takes exactly one step, whatever t_stop. */
+     * fixed-step method takes exactly one step, whatever t_stop, of length `step`: the time loop
+     * may have changed that (dl_method_step_to). */
     dl_status (*advance)(dl_method *method, double t_stop, dl_error *error);
     /* Copies the state at t into y_out where `method->y` is not already it (leap-frog holds its
      * velocities half a step behind). NULL: y is the state. Changes nothing, counts nothing. */
     dl_status (*state)(dl_method *method, double *y_out, dl_error *error);
-    /* y was changed from outside: forget what depends on the past. */
+    /* y, or y and t, were changed from outside: forget what depends on the past. */
     dl_status (*jumped)(dl_method *method, dl_error *error);
+    /* The method's own interpolant over its last step, a polynomial: its degree, and its k-th
+     * derivative at a time within that step into y_out [2 n]. Until the next call of advance or
+     * jumped, whatever is written to t and y. NULL: it has none as accurate as its steps. */
+    int (*dense_degree)(const dl_method *method);
+    dl_status (*dense)(dl_method *method, double t, int derivative, double *y_out, dl_error *error);
     void (*stats)(const dl_method *method, dl_method_stats *stats);
     void (*destroy)(dl_method *method); /* frees data; data may be NULL or half built */
 } dl_method_ops;
@@ -69,6 +75,8 @@ struct dl_method {
     size_t n;      /* unknowns: y holds 2 n */
     double step;   /* fixed step, or 0 where the method chooses; set by create */
     double t;
+    double origin; /* of fixed steps: t is origin + since * step, without accumulated roundoff */
+    unsigned long since;
     double *y;
     void *data;
 };
@@ -96,6 +104,10 @@ void dl_method_options_free(const dl_method_row *row, void *options);
 dl_status dl_method_create(const dl_method_row *row, dl_model *model, const void *options,
                            const double *y0, dl_method **method, dl_error *error);
 dl_status dl_method_advance(dl_method *method, double t_stop, dl_error *error);
+/* Fixed-step methods: one step that ends at t, of another length than the method's own. */
+dl_status dl_method_step_to(dl_method *method, double t, dl_error *error);
+/* Afterwards: t is that of `steps` steps of the method's own from 0, and so are later ones. */
+void dl_method_return_to_grid(dl_method *method, unsigned long steps);
 dl_status dl_method_state(dl_method *method, double *y_out, dl_error *error);
 dl_status dl_method_jumped(dl_method *method, dl_error *error);
 void dl_method_stats_get(const dl_method *method, dl_method_stats *stats);

@@ -15,9 +15,9 @@ typedef struct dl_sample {
     unsigned long step; /* steps the method has taken */
     double time;
     dl_energy energy;
-    double ledger;                 /* energy that walls have taken so far */
-    double energy_error;           /* total + ledger - total at the start */
-    double momentum_error;         /* |P - P0 - gravity's impulse - the walls' impulse|; NaN: n/a */
+    double ledger;         /* energy that walls and radiation have taken so far */
+    double energy_error;   /* total + ledger - total at the start */
+    double momentum_error; /* |P - P0 - the impulses of gravity, walls, radiation|; NaN: n/a */
     double angular_momentum_error; /* NaN where the scene does not conserve it */
     const double *y_all;           /* [2 * dimension * particles], scene order; for this call */
 } dl_sample;
@@ -27,7 +27,8 @@ typedef struct dl_run_options {
     double sample;       /* 0: the scene's, or else chosen: at most 50 intervals of whole steps */
     double time_limit;   /* CPU seconds, observation included; 0: none -> DL_TIMEOUT */
     bool observe;        /* false: integrate only; no samples, ledger or errors (for timing) */
-    double energy_bound; /* |energy_error| / scale above which the run is DL_UNSTABLE; 0: 1 */
+    bool ledger;         /* false: jumps are not booked; errors are NaN after the first */
+    double energy_bound; /* |energy_error| / scale above which the run is DL_UNSTABLE; 0: 100 */
     /* Called at each sample; a failure ends the run with it. May be NULL. */
     dl_status (*on_sample)(void *context, const dl_sample *sample, dl_error *error);
     void *context;
@@ -48,7 +49,8 @@ typedef struct dl_run_summary {
     unsigned long force_evaluations, jacobian_evaluations, jacobian_vector_products;
     unsigned long nonlinear_iterations, linear_iterations, factorisations;
     unsigned long neighbour_list_builds, wall_hits;
-    double cpu_seconds; /* of the integration alone: observation is not in it */
+    unsigned long contacts, releases; /* of particles that rest on located walls */
+    double cpu_seconds;               /* of the integration alone: observation is not in it */
     double energy_initial, energy_final, energy_scale;
     double energy_error_max, energy_error_final; /* absolute, ledger included; over the samples */
     double ledger;

@@ -62,7 +62,7 @@ typedef struct erk {
     double *work;      /* [2 unknowns]: where ARKODE writes, also when it fails */
     N_Vector y, state; /* over work and over method->y */
     bool stale;        /* ARKODE's state is not method->y */
-    unsigned long fixed_steps;
+    double fixed_step; /* that ARKODE has been told */
 } erk;
 
 static int leave_alone(sunrealtype t, N_Vector y, void *user_data) {
@@ -96,7 +96,7 @@ static int set_up(erk *data, const erk_options *chosen) {
     if (!flag)
         flag = ERKStepSetInterpolantDegree(memory, 1);
     if (!flag && chosen->step > 0)
-        flag = ERKStepSetFixedStep(memory, chosen->step);
+        flag = ERKStepSetFixedStep(memory, data->fixed_step = chosen->step);
     if (!flag && last_stage_misleads(memory))
         flag = ERKStepSetPostprocessStepFn(memory, leave_alone);
     return flag;
@@ -132,6 +132,8 @@ static int attempt(const dl_method *method, double t_stop, double *t) {
     int flag = ARK_SUCCESS;
     if (data->stale)
         flag = ERKStepReset(data->memory, method->t, data->state);
+    if (flag == ARK_SUCCESS && method->step != data->fixed_step)
+        flag = ERKStepSetFixedStep(data->memory, data->fixed_step = method->step);
     if (flag == ARK_SUCCESS && !(method->step > 0))
         flag = ERKStepSetStopTime(data->memory, t_stop);
     data->stale = false;
@@ -167,7 +169,9 @@ static dl_status erk_advance(dl_method *method, double t_stop, dl_error *error) 
         return dl_sundials_fail(&data->sundials, meanings, flag, "ERKStepEvolve", error);
     }
     memcpy(method->y, data->work, 2 * method->n * sizeof *method->y);
-    method->t = method->step > 0 ? (double)++data->fixed_steps * method->step : t;
+    method->t = t;
+    if (method->step > 0)
+        dl_method_count_step(method);
     return DL_OK;
 }
 

@@ -82,7 +82,7 @@ static const dl_parameter options[] = {DL_OPTION_FIXED_STEP(composition_options)
 
 typedef struct composition {
     int stages;
-    double kick[most_stages + 1]; /* times the step */
+    double kick[most_stages + 1]; /* parts of the step */
     double drift[most_stages];
     double *a;    /* [unknowns] */
     double *work; /* [2 unknowns]: the state between stages, so that a failure leaves y alone */
@@ -97,7 +97,7 @@ static double weight(const composition_table *table, int stage) {
 
 static dl_status composition_create(dl_method *method, dl_error *error) {
     const composition_table *const table = method->row->variant;
-    const double h = method->step = ((const composition_options *)method->options)->step;
+    method->step = ((const composition_options *)method->options)->step;
     composition *const data = method->data = calloc(1, sizeof *data);
     if (!data)
         return dl_fail_memory(error, "a composition method");
@@ -105,11 +105,11 @@ static dl_status composition_create(dl_method *method, dl_error *error) {
     double previous = 0;
     for (int i = 0; i < table->stages; i++) {
         const double w = weight(table, i);
-        data->kick[i] = (previous + w) / 2 * h;
-        data->drift[i] = w * h;
+        data->kick[i] = (previous + w) / 2;
+        data->drift[i] = w;
         previous = w;
     }
-    data->kick[table->stages] = previous / 2 * h;
+    data->kick[table->stages] = previous / 2;
     data->a = malloc(method->n * sizeof *data->a);
     data->work = malloc(2 * method->n * sizeof *data->work);
     return data->a && data->work ? DL_OK : dl_fail_memory(error, "a composition's stages");
@@ -128,6 +128,7 @@ static dl_status composition_advance(dl_method *method, double t_stop, dl_error 
     (void)t_stop;
     composition *const data = method->data;
     const size_t n = method->n;
+    const double h = method->step;
     double *const q = method->y, *const v = q + n, *const q_work = data->work,
                   *const v_work = q_work + n;
     dl_status status = DL_OK;
@@ -135,17 +136,18 @@ static dl_status composition_advance(dl_method *method, double t_stop, dl_error 
         status = dl_model_acceleration(method->model, q, data->a, error);
     data->a_is_current = false;
     for (int i = 0; i < data->stages && !status; i++) {
-        kick_and_drift(n, data->kick[i], data->drift[i], data->a, i ? q_work : q, i ? v_work : v,
-                       q_work, v_work);
+        kick_and_drift(n, data->kick[i] * h, data->drift[i] * h, data->a, i ? q_work : q,
+                       i ? v_work : v, q_work, v_work);
         status = dl_model_acceleration(method->model, q_work, data->a, error);
     }
     if (status)
         return status;
     memcpy(q, q_work, n * sizeof *q);
     for (size_t i = 0; i < n; i++)
-        v[i] = v_work[i] + data->kick[data->stages] * data->a[i];
+        v[i] = v_work[i] + data->kick[data->stages] * h * data->a[i];
     data->a_is_current = true;
-    method->t = (double)++data->steps * method->step;
+    data->steps++;
+    dl_method_count_step(method);
     return DL_OK;
 }
 

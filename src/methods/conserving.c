@@ -115,6 +115,7 @@ static dl_status guess(const dl_method *method, dl_conserving_solver *solver, dl
 
 static dl_status attempt(dl_method *method, dl_conserving_solver *solver, predictor from,
                          dl_error *error) {
+    solver->step.h = method->step;
     dl_status status = predict(method, from, error);
     status = status ? status : guess(method, solver, error);
     return status ? status : dl_conserving_solve(solver, error);
@@ -134,13 +135,17 @@ static dl_status create_rescue(dl_method *method, dl_error *error) {
 static dl_status solve(dl_method *method, dl_error *error) {
     conserving *const data = method->data;
     const conserving_options *const options = method->options;
-    dl_status status = attempt(method, &data->solver, FROM_PAST, error);
+    dl_conserving_solver *solver = &data->solver;
+    dl_status status = attempt(method, solver, FROM_PAST, error);
     if (status == DL_NONLINEAR_FAILURE && options->rescue) {
         status = data->rescue ? DL_OK : create_rescue(method, error);
-        status = status ? status : attempt(method, data->rescue, FROM_PAST, error);
+        if (status || !data->rescue)
+            return status;
+        solver = data->rescue;
+        status = attempt(method, solver, FROM_PAST, error);
     }
     if (status == DL_NONLINEAR_FAILURE)
-        status = attempt(method, data->rescue ? data->rescue : &data->solver, FROM_START, error);
+        status = attempt(method, solver, FROM_START, error);
     return status;
 }
 
@@ -173,7 +178,8 @@ static dl_status conserving_advance(dl_method *method, double t_stop, dl_error *
         data->v[i] += h * data->a[i];
     }
     data->since_jump++;
-    method->t = (double)++data->steps * h;
+    data->steps++;
+    dl_method_count_step(method);
     publish(method);
     return DL_OK;
 }

@@ -277,6 +277,23 @@ static dl_status cvode_advance(dl_method *method, double t_stop, dl_error *error
     return DL_OK;
 }
 
+static int cvode_dense_degree(const dl_method *method) {
+    int degree = 1;
+    CVodeGetLastOrder(((const cvode *)method->data)->memory, &degree);
+    return degree;
+}
+
+static dl_status cvode_dense(dl_method *method, double t, int derivative, double *y_out,
+                             dl_error *error) {
+    cvode *const data = method->data;
+    dl_sundials_begin(&data->sundials);
+    const int flag = CVodeGetDky(data->memory, t, derivative, data->y);
+    if (flag)
+        return dl_sundials_fail(&data->sundials, meanings, flag, "CVodeGetDky", error);
+    memcpy(y_out, data->work, 2 * method->n * sizeof *y_out);
+    return DL_OK;
+}
+
 static dl_status cvode_jumped(dl_method *method, dl_error *error) {
     (void)error;
     ((cvode *)method->data)->stale = true;
@@ -313,6 +330,8 @@ static const dl_method_ops ops = {
     .create = cvode_create,
     .advance = cvode_advance,
     .jumped = cvode_jumped,
+    .dense_degree = cvode_dense_degree,
+    .dense = cvode_dense,
     .stats = cvode_stats,
     .destroy = cvode_destroy,
 };

@@ -106,7 +106,9 @@ static dl_status gsl_advance(dl_method *method, double t_stop, dl_error *error) 
     }
     memcpy(method->y, data->work, bytes);
     data->steps++;
-    method->t = method->step > 0 ? (double)data->steps * method->step : t;
+    method->t = t;
+    if (method->step > 0)
+        dl_method_count_step(method);
     return DL_OK;
 }
 

@@ -6,7 +6,10 @@
  *     x_{k+1}   = x_k + h v_{k+1/2}
  *
  * After the first step the velocities in y are half a step behind the positions; the velocity at
- * t_k is the mean of its half-step neighbours, v_k = v_{k-1/2} + (h/2) a_k. */
+ * t_k is the mean of its half-step neighbours, v_k = v_{k-1/2} + (h/2) a_k.
+ *
+ * Where walls are located a step may be of any length and begin or end at a hit. There y holds v_k:
+ * a step begins and ends with half a kick, and the positions are the same but for roundoff. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,16 +23,26 @@ typedef struct leapfrog_options {
 static const dl_parameter options[] = {DL_OPTION_FIXED_STEP(leapfrog_options)};
 
 typedef struct leapfrog {
-    double *a; /* [unknowns] */
+    double *a;        /* [unknowns] */
+    double *next;     /* [2 unknowns]: a synchronous step's end, so that a failure leaves y alone */
+    bool synchronous; /* y holds the velocities at its own time */
+    bool a_is_current; /* and a the acceleration at y */
     unsigned long steps;
 } leapfrog;
 
 static dl_status leapfrog_create(dl_method *method, dl_error *error) {
     method->step = ((const leapfrog_options *)method->options)->step;
     leapfrog *const data = method->data = calloc(1, sizeof *data);
-    if (data)
-        data->a = malloc(method->n * sizeof *data->a);
-    return data && data->a ? DL_OK : dl_fail_memory(error, "leap-frog's accelerations");
+    if (!data)
+        return dl_fail_memory(error, "leap-frog");
+    const dl_walls *const walls = &method->model->scene->walls;
+    data->synchronous = walls->present && walls->rule == DL_LOCATED;
+    data->a = malloc(method->n * sizeof *data->a);
+    if (data->synchronous)
+        data->next = malloc(2 * method->n * sizeof *data->next);
+    return data->a && (data->next || !data->synchronous)
+               ? DL_OK
+               : dl_fail_memory(error, "leap-frog's accelerations");
 }
 
 static void kick_and_drift(size_t n, double kick, double drift, const double *restrict a,
@@ -40,16 +53,43 @@ static void kick_and_drift(size_t n, double kick, double drift, const double *re
     }
 }
 
+static dl_status advance_synchronous(dl_method *method, dl_error *error) {
+    leapfrog *const data = method->data;
+    const size_t n = method->n;
+    const double h = method->step;
+    double *const v = data->next + n;
+    dl_status status = DL_OK;
+    if (!data->a_is_current)
+        status = dl_model_acceleration(method->model, method->y, data->a, error);
+    if (status)
+        return status;
+    data->a_is_current = false;
+    memcpy(data->next, method->y, 2 * n * sizeof *data->next);
+    kick_and_drift(n, h / 2, h, data->a, data->next, v);
+    status = dl_model_acceleration(method->model, data->next, data->a, error);
+    if (status)
+        return status;
+    kick_and_drift(n, h / 2, 0, data->a, data->next, v);
+    memcpy(method->y, data->next, 2 * n * sizeof *data->next);
+    data->a_is_current = true;
+    data->steps++;
+    dl_method_count_step(method);
+    return DL_OK;
+}
+
 static dl_status leapfrog_advance(dl_method *method, double t_stop, dl_error *error) {
     (void)t_stop;
     leapfrog *const data = method->data;
+    if (data->synchronous)
+        return advance_synchronous(method, error);
     const double h = method->step;
     double *const q = method->y, *const v = method->y + method->n;
     const dl_status status = dl_model_acceleration(method->model, q, data->a, error);
     if (status)
         return status;
     kick_and_drift(method->n, data->steps ? h : h / 2, h, data->a, q, v);
-    method->t = (double)++data->steps * h;
+    data->steps++;
+    dl_method_count_step(method);
     return DL_OK;
 }
 
@@ -57,7 +97,7 @@ static dl_status leapfrog_state(dl_method *method, double *y_out, dl_error *erro
     leapfrog *const data = method->data;
     const size_t n = method->n;
     memcpy(y_out, method->y, 2 * n * sizeof *y_out);
-    if (data->steps == 0)
+    if (data->steps == 0 || data->synchronous)
         return DL_OK;
     const dl_counts counts = method->model->counts;
     const dl_status status = dl_model_acceleration(method->model, method->y, data->a, error);
@@ -67,10 +107,10 @@ static dl_status leapfrog_state(dl_method *method, double *y_out, dl_error *erro
     return status;
 }
 
-/* A wall's reflection acts on the half-step velocities and the method goes on with them. */
+/* A mirror's reflection acts on the half-step velocities and the method goes on with them. */
 static dl_status leapfrog_jumped(dl_method *method, dl_error *error) {
-    (void)method;
     (void)error;
+    ((leapfrog *)method->data)->a_is_current = false;
     return DL_OK;
 }
 
@@ -80,8 +120,10 @@ static void leapfrog_stats(const dl_method *method, dl_method_stats *stats) {
 
 static void leapfrog_destroy(dl_method *method) {
     leapfrog *const data = method->data;
-    if (data)
+    if (data) {
         free(data->a);
+        free(data->next);
+    }
     free(data);
 }
 

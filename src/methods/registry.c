@@ -145,6 +145,33 @@ dl_status dl_method_advance(dl_method *method, double t_stop, dl_error *error) {
     return method->row->ops->advance(method, t_stop, error);
 }
 
+void dl_method_count_step(dl_method *method) {
+    method->t = method->origin + (double)++method->since * method->step;
+}
+
+dl_status dl_method_step_to(dl_method *method, double t, dl_error *error) {
+    const double step = method->step, origin = method->origin;
+    const unsigned long since = method->since;
+    method->step = t - method->t;
+    method->origin = method->t;
+    method->since = 0;
+    const dl_status status = dl_method_advance(method, t, error);
+    method->step = step;
+    if (status) {
+        method->origin = origin;
+        method->since = since;
+        return status;
+    }
+    method->t = t;
+    return DL_OK;
+}
+
+void dl_method_return_to_grid(dl_method *method, unsigned long steps) {
+    method->origin = 0;
+    method->since = steps;
+    method->t = (double)steps * method->step;
+}
+
 dl_status dl_method_state(dl_method *method, double *y_out, dl_error *error) {
     if (method->row->ops->state)
         return method->row->ops->state(method, y_out, error);

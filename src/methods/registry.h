@@ -31,4 +31,7 @@
 DL_METHODS(DL_METHOD_DECLARE)
 #undef DL_METHOD_DECLARE
 
+/* A fixed step was taken: t follows. */
+void dl_method_count_step(dl_method *method);
+
 #endif

@@ -19,13 +19,18 @@ struct dl_observer {
     long double ledger;
     long double impulse[3], angular_impulse[3]; /* that the walls have taken */
     double gravity_force[3];
+    bool contacts; /* a wall's steady force has acted */
+    bool books;    /* jumps are booked */
+    bool missed;   /* a jump was not */
 };
 
-dl_status dl_observer_create(const dl_scene *scene, dl_observer **observer, dl_error *error) {
+dl_status dl_observer_create(const dl_scene *scene, bool ledger, dl_observer **observer,
+                             dl_error *error) {
     *observer = NULL;
     dl_observer *created = calloc(1, sizeof *created);
     if (!created)
         return dl_fail_memory(error, "the observation of a run");
+    created->books = ledger;
     dl_status status = dl_model_create(scene, &created->model, error);
     if (status) {
         dl_observer_free(created);
@@ -129,26 +134,35 @@ dl_status dl_observer_sample(dl_observer *observer, dl_method *method, double ti
     sample->energy = now.energy;
     sample->ledger = (double)observer->ledger;
     sample->energy_error = (double)(energy_change(start, &now) + observer->ledger);
-    sample->momentum_error = dl_model_conserves_linear_momentum(model)
+    sample->momentum_error = dl_model_conserves_linear_momentum(model) && !observer->contacts
                                  ? momentum_error(now.linear, start->linear, observer->impulse,
                                                   observer->gravity_force, time)
                                  : NAN;
     sample->angular_momentum_error =
-        dl_model_conserves_angular_momentum(model)
+        dl_model_conserves_angular_momentum(model) && !observer->contacts
             ? momentum_error(now.angular, start->angular, observer->angular_impulse, no_torque,
                              time)
             : NAN;
+    if (observer->missed)
+        sample->ledger = sample->energy_error = sample->momentum_error =
+            sample->angular_momentum_error = NAN;
     sample->y_all = observer->y_all;
     return DL_OK;
 }
 
 dl_status dl_observer_before_jump(dl_observer *observer, dl_method *method, dl_error *error) {
+    if (!observer->books) {
+        observer->missed = true;
+        return DL_OK;
+    }
     return measure(observer, method, &observer->before, error);
 }
 
 dl_status dl_observer_after_jump(dl_observer *observer, dl_method *method, dl_error *error) {
     const quantities *const before = &observer->before;
     quantities after;
+    if (!observer->books)
+        return DL_OK;
     const dl_status status = measure(observer, method, &after, error);
     if (status)
         return status;
@@ -158,6 +172,10 @@ dl_status dl_observer_after_jump(dl_observer *observer, dl_method *method, dl_er
         observer->angular_impulse[k] += (long double)before->angular[k] - after.angular[k];
     }
     return DL_OK;
+}
+
+void dl_observer_contact(dl_observer *observer) {
+    observer->contacts = true;
 }
 
 double dl_observer_initial_energy(const dl_observer *observer) {

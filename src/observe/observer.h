@@ -1,4 +1,4 @@
-/* What is measured on a run: energies, momenta, and the ledger of what walls have taken.
+/* What is measured on a run: energies, momenta, and the ledger of what walls and radiation take.
  *
  *     error of the integrator = E(t) + ledger - E(0)
  *     ledger = sum over jumps of E(before) - E(after)
@@ -12,13 +12,17 @@
 #ifndef DL_OBSERVE_OBSERVER_H
 #define DL_OBSERVE_OBSERVER_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include "driftlab/method.h"
 #include "driftlab/run.h"
 
 typedef struct dl_observer dl_observer;
 
-dl_status dl_observer_create(const dl_scene *scene, dl_observer **observer, dl_error *error);
+/* Without a ledger jumps are not booked, which saves two energies each: after the first one there
+ * are no errors, NaN. */
+dl_status dl_observer_create(const dl_scene *scene, bool ledger, dl_observer **observer,
+                             dl_error *error);
 void dl_observer_free(dl_observer *observer);
 
 /* Takes the method's present state as the start, with which everything later is compared; sets the
@@ -34,6 +38,10 @@ dl_status dl_observer_sample(dl_observer *observer, dl_method *method, double ti
 /* Around whatever changes the method's state from outside: the difference is booked. */
 dl_status dl_observer_before_jump(dl_observer *observer, dl_method *method, dl_error *error);
 dl_status dl_observer_after_jump(dl_observer *observer, dl_method *method, dl_error *error);
+
+/* A particle has come to rest on a wall. What holds it does no work, so that the ledger stays
+ * exact, but its impulse is not known: momentum errors are NaN from now on. */
+void dl_observer_contact(dl_observer *observer);
 
 /* E(0), the value that energy_error is measured from. */
 double dl_observer_initial_energy(const dl_observer *observer);

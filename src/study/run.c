@@ -8,9 +8,12 @@
 #include "observe/observer.h"
 #include "observe/schedule.h"
 #include "observe/stopwatch.h"
+#include "study/jumps.h"
+#include "study/located.h"
 
-/* An error as large as the whole scale: nothing of the energy is right. */
-static const double default_energy_bound = 1;
+/* A hundred times all the energy there was: a blow-up. Less is not one where walls take energy: the
+ * papers' fluid is heated by its jumping force and cooled by its walls, for ever. */
+static const double default_energy_bound = 100;
 
 /* Limits, interrupts and progress are looked at every `steps` steps, a number that follows the
  * speed of the run so that it happens about every 50 ms, but every step where steps are slow. */
@@ -28,7 +31,9 @@ typedef struct run {
     dl_observer *observer; /* NULL: integrate only */
     double *y;             /* [2 * unknowns]: the state at the end */
     dl_schedule schedule;
-    size_t steps_done; /* of a fixed step */
+    dl_jumps jumps;
+    dl_located *located; /* NULL: the walls' rule is another, or there are none */
+    size_t steps_done;   /* of a fixed step */
     double energy_bound;
     double began; /* CPU clock */
     dl_stopwatch watch;
@@ -38,7 +43,8 @@ typedef struct run {
 } run;
 
 void dl_run_options_default(dl_run_options *options) {
-    *options = (dl_run_options){.observe = true, .energy_bound = default_energy_bound};
+    *options =
+        (dl_run_options){.observe = true, .ledger = true, .energy_bound = default_energy_bound};
 }
 
 void dl_run_summary_clear(dl_run_summary *summary) {
@@ -114,9 +120,14 @@ static dl_status mirror_observed(run *r, dl_error *error) {
 
 /* --- steps ---------------------------------------------------------------------------------- */
 
+static inline dl_status one_step(run *r, double t_stop, dl_error *error) {
+    return r->located ? dl_located_step(r->located, t_stop, error)
+                      : dl_method_advance(r->method, t_stop, error);
+}
+
 /* What follows every step. */
 static inline dl_status after_step(run *r, dl_error *error) {
-    if (r->model->has_walls) {
+    if (r->model->has_walls && !r->located) {
         const dl_status status = r->observer ? mirror_observed(r, error) : mirror(r, error);
         if (status)
             return status;
@@ -126,7 +137,7 @@ static inline dl_status after_step(run *r, dl_error *error) {
 
 static dl_status advance_steps(run *r, size_t target, dl_error *error) {
     while (r->steps_done < target) {
-        dl_status status = dl_method_advance(r->method, r->schedule.end, error);
+        dl_status status = one_step(r, r->schedule.end, error);
         if (status)
             return status;
         r->steps_done++;
@@ -142,8 +153,8 @@ static dl_status advance_until(run *r, double time, dl_error *error) {
     dl_method *method = r->method;
     while (method->t < reached) {
         const double before = method->t;
-        dl_status status = dl_method_advance(method, time, error);
-        if (!status && !(method->t > before))
+        dl_status status = one_step(r, time, error);
+        if (!status && !r->located && !(method->t > before))
             status = dl_fail(error, DL_STEP_FAILURE, "the step became too small to move t = %.17g",
                              before);
         if (!status)
@@ -176,7 +187,7 @@ static void summary_add_sample(dl_run_summary *summary, const dl_sample *sample,
 /* Takes the sample into the summary, where it is one. */
 static dl_status judge_sample(const run *r, const dl_sample *sample, dl_error *error) {
     const double relative = fabs(sample->energy_error) / r->summary->energy_scale;
-    if (!isfinite(relative)) {
+    if (!isfinite(sample->energy.total)) {
         dl_run_summary *summary = r->summary;
         summary->energy_final = summary->energy_error_final = summary->energy_error_max = NAN;
         return dl_fail(error, DL_UNSTABLE, "the energy is no longer finite at t = %.10g",
@@ -190,11 +201,22 @@ static dl_status judge_sample(const run *r, const dl_sample *sample, dl_error *e
     return DL_OK;
 }
 
+/* Steps that were thrown away to step to a wall are rejected ones. */
+static dl_method_stats stats_of(const run *r) {
+    dl_method_stats stats = {0};
+    dl_method_stats_get(r->method, &stats);
+    if (r->located) {
+        const unsigned long discarded = dl_located_counts_get(r->located).discarded;
+        stats.steps -= discarded;
+        stats.rejected += discarded;
+    }
+    return stats;
+}
+
 static dl_status take_sample(run *r, double time, dl_error *error) {
     if (!r->observer)
         return DL_OK;
-    dl_method_stats stats = {0};
-    dl_method_stats_get(r->method, &stats);
+    const dl_method_stats stats = stats_of(r);
     dl_sample sample = {.index = r->summary->samples, .step = stats.steps};
     dl_status status = dl_observer_sample(r->observer, r->method, time, &sample, error);
     if (!status)
@@ -218,14 +240,52 @@ static dl_status begin_observing(run *r, dl_error *error) {
 
 /* --- the loop ------------------------------------------------------------------------------- */
 
+static dl_status advance_timed(run *r, size_t steps, double time, dl_error *error) {
+    dl_stopwatch_start(&r->watch);
+    const dl_status status =
+        r->schedule.steps ? advance_steps(r, steps, error) : advance_until(r, time, error);
+    dl_stopwatch_stop(&r->watch);
+    return status;
+}
+
+static bool jump_is_due(const run *r, size_t *steps, double *time) {
+    return r->schedule.steps ? dl_jumps_due_at_step(&r->jumps, *steps, steps)
+                             : dl_jumps_due_at_time(&r->jumps, *time, time);
+}
+
+/* Particles whose state is not the outcome of a step may hit a wall where they are, or rest. */
+static dl_status meet_walls(run *r, dl_error *error) {
+    if (!r->located)
+        return DL_OK;
+    dl_stopwatch_start(&r->watch);
+    const dl_status status = dl_located_restart(r->located, error);
+    dl_stopwatch_stop(&r->watch);
+    return status;
+}
+
+/* To the sample, by way of the scheduled jumps before it. */
+static dl_status advance_to_sample(run *r, size_t sample, double time, dl_error *error) {
+    const size_t steps = dl_schedule_step(&r->schedule, sample);
+    size_t jump_steps = steps;
+    double jump_time = time;
+    dl_status status = DL_OK;
+    while (!status && jump_is_due(r, &jump_steps, &jump_time)) {
+        status = advance_timed(r, jump_steps, jump_time, error);
+        if (!status)
+            status = dl_jumps_make(&r->jumps, r->method, r->observer, &r->watch, error);
+        if (!status)
+            status = meet_walls(r, error);
+        jump_steps = steps;
+        jump_time = time;
+    }
+    return status ? status : advance_timed(r, steps, time, error);
+}
+
 static dl_status integrate(run *r, dl_error *error) {
     dl_status status = DL_OK;
     for (size_t sample = 1; !status && sample <= r->schedule.samples; sample++) {
         const double time = dl_schedule_time(&r->schedule, sample);
-        dl_stopwatch_start(&r->watch);
-        status = r->schedule.steps ? advance_steps(r, dl_schedule_step(&r->schedule, sample), error)
-                                   : advance_until(r, time, error);
-        dl_stopwatch_stop(&r->watch);
+        status = advance_to_sample(r, sample, time, error);
         if (!status)
             status = take_sample(r, time, error);
         r->pulse.left = 1; /* observation counts for the limit on time, too */
@@ -242,8 +302,7 @@ static void sample_last_state(run *r) {
 
 static void summarise(run *r) {
     dl_run_summary *summary = r->summary;
-    dl_method_stats stats = {0};
-    dl_method_stats_get(r->method, &stats);
+    const dl_method_stats stats = stats_of(r);
     summary->t_end_reached = summary->status ? r->method->t : r->schedule.end;
     summary->step = r->method->step;
     summary->steps = stats.steps;
@@ -256,6 +315,12 @@ static void summarise(run *r) {
     summary->jacobian_vector_products = r->model->counts.jacobian_vector;
     summary->neighbour_list_builds = dl_model_list_builds(r->model);
     summary->cpu_seconds = r->watch.total;
+    if (!r->located)
+        return;
+    const dl_located_counts counts = dl_located_counts_get(r->located);
+    summary->wall_hits = counts.hits;
+    summary->contacts = counts.contacts;
+    summary->releases = counts.releases;
 }
 
 static void run_to_end(run *r) {
@@ -264,6 +329,8 @@ static void run_to_end(run *r) {
     r->pulse = (pulse){.steps = 1, .left = 1, .last = r->began};
     r->sampled_at = -1;
     dl_status status = begin_observing(r, &error);
+    if (!status)
+        status = meet_walls(r, &error);
     if (!status)
         status = integrate(r, &error);
     if (status) {
@@ -299,12 +366,15 @@ static dl_status create_parts(run *r, const dl_scene *scene, const dl_method_row
     dl_model_initial_state(r->model, r->y);
     status = dl_method_create(row, r->model, options, r->y, &r->method, error);
     if (!status && r->options->observe)
-        status = dl_observer_create(scene, &r->observer, error);
+        status = dl_observer_create(scene, r->options->ledger, &r->observer, error);
+    if (!status && scene->walls.present && scene->walls.rule == DL_LOCATED)
+        status = dl_located_create(r->method, r->observer, &r->watch, &r->located, error);
     if (status)
         return status;
     const double end = r->options->end != 0 ? r->options->end : scene->end;
     const double interval = r->options->sample != 0 ? r->options->sample : scene->sample;
-    return dl_schedule_create(end, interval, r->method->step, &r->schedule, error);
+    status = dl_schedule_create(end, interval, r->method->step, &r->schedule, error);
+    return status ? status : dl_jumps_create(scene, r->method->step, &r->jumps, error);
 }
 
 /* A method that cannot even take the initial state (its force is not finite ...) has failed as it
@@ -331,6 +401,7 @@ dl_status dl_run(const dl_scene *scene, const dl_method_row *row, const void *op
         summary->t_end_reached = 0;
         status = DL_OK;
     }
+    dl_located_free(r.located);
     dl_method_destroy(r.method);
     dl_observer_free(r.observer);
     dl_model_free(r.model);

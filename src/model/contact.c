@@ -1,0 +1,85 @@
+#include "model/contact.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+double dl_wall_place(const dl_model *model, size_t u, dl_side side) {
+    const dl_walls *walls = &model->scene->walls;
+    const size_t axis = u / model->moving;
+    return side == DL_LOW_WALL ? walls->low[axis] : walls->high[axis];
+}
+
+dl_status dl_contacts_create(dl_contacts *contacts, dl_model *model, dl_error *error) {
+    *contacts = (dl_contacts){.model = model};
+    contacts->side = calloc(model->unknowns, sizeof *contacts->side);
+    contacts->held = calloc(model->unknowns, sizeof *contacts->held);
+    return contacts->side && contacts->held ? DL_OK : dl_fail_memory(error, "resting contacts");
+}
+
+void dl_contacts_free(dl_contacts *contacts) {
+    if (contacts->model)
+        contacts->model->held = NULL;
+    free(contacts->side);
+    free(contacts->held);
+    *contacts = (dl_contacts){.model = NULL};
+}
+
+/* Holds what particle k's contacts hold, and nothing else of it. */
+static void update_particle(dl_contacts *contacts, size_t k) {
+    const dl_model *model = contacts->model;
+    const size_t n = model->moving;
+    const bool sticks = model->scene->walls.damping > 0;
+    bool any = false;
+    for (size_t c = 0; c < (size_t)model->dimension; c++)
+        any |= contacts->side[c * n + k] != DL_NO_WALL;
+    for (size_t c = 0; c < (size_t)model->dimension; c++)
+        contacts->held[c * n + k] = sticks ? any : contacts->side[c * n + k] != DL_NO_WALL;
+}
+
+static void set_side(dl_contacts *contacts, size_t u, dl_side side) {
+    dl_model *model = contacts->model;
+    contacts->count += side != DL_NO_WALL;
+    contacts->count -= contacts->side[u] != DL_NO_WALL;
+    contacts->side[u] = (signed char)side;
+    update_particle(contacts, u % model->moving);
+    model->held = contacts->count ? contacts->held : NULL;
+}
+
+void dl_contacts_add(dl_contacts *contacts, size_t u, dl_side side, double *v) {
+    const size_t n = contacts->model->moving, k = u % n;
+    set_side(contacts, u, side);
+    for (size_t c = 0; c < (size_t)contacts->model->dimension; c++)
+        if (contacts->held[c * n + k])
+            v[c * n + k] = 0;
+}
+
+void dl_contacts_release(dl_contacts *contacts, size_t u) {
+    set_side(contacts, u, DL_NO_WALL);
+}
+
+bool dl_contacts_hold(const dl_contacts *contacts, size_t u) {
+    return contacts->held[u];
+}
+
+double dl_contacts_press(const dl_contacts *contacts, size_t u, const double *a) {
+    return -dl_wall_away((dl_side)contacts->side[u], a[u]);
+}
+
+double dl_contacts_least_press(const dl_contacts *contacts, const double *a) {
+    double least = INFINITY;
+    for (size_t u = 0; contacts->count && u < contacts->model->unknowns; u++)
+        if (contacts->side[u] != DL_NO_WALL)
+            least = fmin(least, dl_contacts_press(contacts, u, a));
+    return least;
+}
+
+dl_status dl_contacts_acceleration(const dl_contacts *contacts, const double *q, double *a,
+                                   dl_error *error) {
+    dl_model *model = contacts->model;
+    const bool *held = model->held;
+    model->held = NULL;
+    const dl_status status = dl_model_acceleration(model, q, a, error);
+    model->held = held;
+    return status;
+}

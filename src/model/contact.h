@@ -1,0 +1,56 @@
+/* Walls with the rule `located`: what a hit does to a velocity, and resting contacts.
+ *
+ * A contact is a coordinate that rests on a wall. With damping > 0 the whole particle rests: it is
+ * where infinitely many hits accumulate, each of which multiplies every velocity component by
+ * 1 - damping. Without damping nothing is lost along the wall and only the normal coordinate is
+ * held. What is held is out of the dynamics (model->held). */
+#ifndef DL_MODEL_CONTACT_H
+#define DL_MODEL_CONTACT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "driftlab/model.h"
+
+typedef enum dl_side { DL_LOW_WALL = -1, DL_NO_WALL = 0, DL_HIGH_WALL = 1 } dl_side;
+
+/* Of coordinate u (as in q): where the wall is on that side, -INFINITY or INFINITY for none. */
+double dl_wall_place(const dl_model *model, size_t u, dl_side side);
+
+/* Component of a vector along coordinate u's axis, positive away from the wall. */
+static inline double dl_wall_away(dl_side side, double component) {
+    return side == DL_LOW_WALL ? component : -component;
+}
+
+/* A hit at a wall across `axis`: all of particle k's velocity components lose, the normal one turns
+ * round. v [unknowns]. */
+void dl_wall_rebound(const dl_model *model, double *v, size_t k, size_t axis);
+
+typedef struct dl_contacts {
+    dl_model *model;
+    signed char *side; /* [unknowns]: the dl_side that the coordinate rests on */
+    bool *held;        /* [unknowns]: what model->held points to while there are contacts */
+    size_t count;
+} dl_contacts;
+
+dl_status dl_contacts_create(dl_contacts *contacts, dl_model *model, dl_error *error);
+void dl_contacts_free(dl_contacts *contacts);
+
+/* Coordinate u comes to rest: what is held from now on gets velocity 0. */
+void dl_contacts_add(dl_contacts *contacts, size_t u, dl_side side, double *v);
+void dl_contacts_release(dl_contacts *contacts, size_t u);
+
+/* Whether coordinate u is held. */
+bool dl_contacts_hold(const dl_contacts *contacts, size_t u);
+
+/* The acceleration that presses coordinate u, which is in contact, to its wall; a [unknowns] is
+ * that of all particles as if none were held. */
+double dl_contacts_press(const dl_contacts *contacts, size_t u, const double *a);
+
+/* The least of them; INFINITY without contacts. */
+double dl_contacts_least_press(const dl_contacts *contacts, const double *a);
+
+/* a(q) as if nothing were held. Counted. */
+dl_status dl_contacts_acceleration(const dl_contacts *contacts, const double *q, double *a,
+                                   dl_error *error);
+
+#endif

@@ -1,0 +1,105 @@
+/* What happens at a hit: bounce, or rest. */
+#include <string.h>
+
+#include "study/located_parts.h"
+
+/* Whether the flight that begins with that normal velocity, under an acceleration that presses to
+ * the wall, is the last: it lasts 2 rate/press and rises to rate^2/(2 press). */
+static bool is_last_flight(const dl_located *located, size_t u, dl_side side, double rate,
+                           double press) {
+    const dl_walls *const walls = &located->model->scene->walls;
+    const double lasts = 2 * rate / press, rises = rate * lasts / 4;
+    return lasts <= 2 * dl_located_resolution(fmax(located->method->t, located->step)) ||
+           rises <= dl_located_roundoff(located, u, side) ||
+           (walls->damping > 0 && lasts <= walls->rest * located->step);
+}
+
+/* A coordinate on or beyond the wall is put on it and, where it is on its way out, bounces. The
+ * target of an event is where the wall is but for roundoff, on whichever side. */
+static void touch(dl_located *located, size_t u, dl_side side, bool is_target) {
+    dl_method *const method = located->method;
+    const size_t n = method->n, moving = located->model->moving;
+    double *const v = method->y + n;
+    const double d = dl_located_distance(located->model, method->y, u, side);
+    const double rate = dl_wall_away(side, v[u]);
+    if (!(d <= 0) && !is_target)
+        return;
+    if (rate >= 0 && (d > 0 || (d == 0 && rate > 0)))
+        return; /* it turns back before the wall, or has just left it */
+    method->y[u] = dl_wall_place(located->model, u, side);
+    located->touched[u] = (signed char)side;
+    if (rate > 0 && is_target)
+        v[u] = -v[u]; /* a grazing hit, seen after its turn */
+    if (rate < 0 || (rate > 0 && is_target)) {
+        dl_wall_rebound(located->model, v, u % moving, u / moving);
+        located->counts.hits++;
+    }
+}
+
+static void touch_all(dl_located *located, const dl_hit *target) {
+    const dl_model *const model = located->model;
+    memset(located->touched, 0, model->unknowns * sizeof *located->touched);
+    for (size_t u = 0; u < model->unknowns; u++)
+        for (size_t s = 0; s < 2; s++)
+            if (!dl_contacts_hold(&located->contacts, u))
+                touch(located, u, dl_located_sides[s],
+                      target->found && target->u == u && target->side == dl_located_sides[s]);
+}
+
+/* Rests, or flies: a0 is the acceleration there. `forced`: the path leaves at once although neither
+ * velocity nor acceleration tell it to. */
+static void rest_or_fly(dl_located *located, size_t u, bool forced) {
+    dl_method *const method = located->method;
+    const dl_side side = (dl_side)located->touched[u];
+    double *const v = method->y + method->n;
+    const double rate = dl_wall_away(side, v[u]);
+    const double press = -dl_wall_away(side, located->a0[u]);
+    if (press > 0 ? is_last_flight(located, u, side, rate, press)
+                  : forced && press == 0 && rate == 0) {
+        dl_contacts_add(&located->contacts, u, side, v);
+        located->counts.contacts++;
+    }
+}
+
+static dl_status collide(dl_located *located, const dl_hit *target, dl_error *error) {
+    dl_method *const method = located->method;
+    touch_all(located, target);
+    located->a0_is_current = false;
+    const dl_status status =
+        dl_contacts_acceleration(&located->contacts, method->y, located->a0, error);
+    if (status)
+        return status;
+    located->a0_is_current = true;
+    for (size_t u = 0; u < method->n; u++)
+        if (located->touched[u] && !dl_contacts_hold(&located->contacts, u))
+            rest_or_fly(located, u, target->found && target->u == u && target->t == located->t0);
+    return dl_method_jumped(method, error);
+}
+
+dl_status dl_located_collide(dl_located *located, const dl_hit *target, dl_error *error) {
+    if (!located->observer)
+        return collide(located, target, error);
+    const unsigned long contacts = located->counts.contacts;
+    dl_stopwatch_stop(located->watch);
+    dl_status status = dl_observer_before_jump(located->observer, located->method, error);
+    dl_stopwatch_start(located->watch);
+    if (status || (status = collide(located, target, error)))
+        return status;
+    dl_stopwatch_stop(located->watch);
+    status = dl_observer_after_jump(located->observer, located->method, error);
+    if (located->counts.contacts > contacts)
+        dl_observer_contact(located->observer);
+    dl_stopwatch_start(located->watch);
+    return status;
+}
+
+bool dl_located_any_touches(const dl_located *located) {
+    const dl_model *const model = located->model;
+    for (size_t u = 0; u < model->unknowns; u++)
+        for (size_t s = 0; s < 2; s++)
+            if (!dl_contacts_hold(&located->contacts, u) &&
+                dl_located_distance(model, located->method->y, u, dl_located_sides[s]) <= 0 &&
+                dl_wall_away(dl_located_sides[s], located->method->y[model->unknowns + u]) <= 0)
+                return true;
+    return false;
+}
