@@ -105,6 +105,7 @@ static const refusal refusals[] = {
     {"walls-crossed", {"walls-crossed.yaml:9:", "x", "[5, -5]", "low < high"}},
     {"walls-equal", {"walls-equal.yaml:9:", "x", "[5, 5]", "low < high"}},
     {"walls-length", {"walls-length.yaml:9:", "x", "list of 1", "2 numbers"}},
+    {"walls-rest", {"walls-rest.yaml:9:", "rest", "\"1e-6\"", "only rule: located"}},
     {"walls-word", {"walls-word.yaml:9:", "x", "\"non\"", "or none"}},
     {"walls-z", {"walls-z.yaml:9:", "z", "two dimensions"}},
     {"word-cell", {"word-cell.csv:3:", "y", "\"zero\"", "a number"}},
@@ -227,7 +228,7 @@ static void what_a_scene_lacks_is_absent(void **state) {
         assert_int_equal(s->law.pieces, 0);
         assert_false(s->walls.present);
         assert_true(s->gravity[0] == 0 && s->gravity[1] == 0 && s->gravity[2] == 0);
-        assert_true(s->inertia[0] == 3 && s->coupling[0] == 1);
+        assert_true(s->inertia[0] == 3 && s->coupling[0] == 3);
         assert_true(s->velocity[0] == 0 && s->velocity[1] == 0);
         assert_true(s->sample == 0 && s->skin == 0);
         assert_int_equal(s->kernel, DL_KERNEL_AUTO);
@@ -437,7 +438,7 @@ static void help_names_every_key(void **state) {
     (void)state;
     static const dl_scene_section *const sections[] = {
         &dl_section_scene, &dl_section_particle, &dl_section_columns, &dl_section_piece,
-        &dl_section_term,  &dl_section_walls,    &dl_section_time};
+        &dl_section_term,  &dl_section_walls,    &dl_section_time,    &dl_section_radiation};
     char *const text = help_text();
     for (size_t i = 0; i < sizeof sections / sizeof *sections; i++) {
         const char *const section = strstr(text, sections[i]->title);

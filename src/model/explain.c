@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include "driftlab/parameter.h"
 #include "model/private.h"
 
@@ -17,6 +18,8 @@ static void explain_particles(const dl_model *model, FILE *out) {
              model->particles, model->dimension, model->dimension == 2 ? ", no z" : "",
              model->unknowns, model->unknowns);
     line(out, "particles", text);
+    if (model->scene->start)
+        line(out, "start", model->scene->start);
     if (pinned > 0) {
         snprintf(text, sizeof text, "%zu pinned: parameters, not unknowns", pinned);
         line(out, "pins", text);
@@ -27,33 +30,101 @@ static void explain_particles(const dl_model *model, FILE *out) {
         line(out, "coupling", "differs from 1: pair forces are multiplied by c_i c_j");
 }
 
+static void explain_sum(const dl_law *law, int k, int first, int terms, FILE *out) {
+    char coefficient[40], power[40];
+    for (int s = first; s < first + terms; s++) {
+        dl_format_real(fabs(law->coefficient[k][s]), coefficient, sizeof coefficient);
+        dl_format_real(law->power[k][s], power, sizeof power);
+        const char *sign = law->coefficient[k][s] < 0 ? "-" : s > first ? "+" : "";
+        if (law->power[k][s] == 0) /* what shifts the force */
+            fprintf(out, " %s%s", sign, coefficient);
+        else
+            fprintf(out, " %s%s r^-%s", sign, coefficient, power);
+    }
+}
+
+/* A taper's S falls from 1 to 0, force/law_taper.h. */
+static void explain_blend(const dl_law *law, int k, FILE *out) {
+    fprintf(out, " S (");
+    explain_sum(law, k, 0, law->terms[k], out);
+    fprintf(out, " )");
+    if (law->next_terms[k] == 0)
+        return;
+    fprintf(out, " + (1 - S) (");
+    explain_sum(law, k, law->terms[k], law->next_terms[k], out);
+    fprintf(out, " )");
+}
+
 static void explain_piece(const dl_law *law, int k, FILE *out) {
-    char from[40], until[40], coefficient[40], power[40];
+    static const char *const ends[] = {
+        [DL_END_HARD] = "hard",
+        [DL_END_SHIFTED_FORCE] = "shifted force",
+        [DL_END_TAPER] = "taper",
+    };
+    char from[40], until[40];
     dl_format_real(k ? law->until[k - 1] : 0, from, sizeof from);
     dl_format_real(law->until[k], until, sizeof until);
     fprintf(out, "  %-10s F(r) =", k ? "" : "pair law");
-    for (int s = 0; s < law->terms[k]; s++) {
-        dl_format_real(fabs(law->coefficient[k][s]), coefficient, sizeof coefficient);
-        dl_format_real(law->power[k][s], power, sizeof power);
-        const char *sign = law->coefficient[k][s] < 0 ? "-" : s ? "+" : "";
-        fprintf(out, " %s%s r^-%s", sign, coefficient, power);
-    }
-    if (isfinite(law->until[k]))
-        fprintf(out, "   for %s < r <= %s\n", from, until);
+    if (law->width[k] > 0)
+        explain_blend(law, k, out);
+    else
+        explain_sum(law, k, 0, law->terms[k], out);
+    if (law->end[k] == DL_END_TAPER && law->width[k] == 0)
+        fprintf(out, "   for %s < r <= %s, then its taper\n", from, until);
+    else if (isfinite(law->until[k]))
+        fprintf(out, "   for %s < r <= %s, end: %s\n", from, until, ends[law->end[k]]);
     else
         fprintf(out, "   for r > %s\n", from);
 }
 
-static void explain_pairs(const dl_model *model, FILE *out) {
-    const dl_law *law = &model->priv->law;
+/* One law a pair of species, each under their names. */
+static void explain_species(const dl_model *model, FILE *out) {
+    const dl_scene *scene = model->scene;
     char text[200];
-    for (int k = 0; k < law->pieces; k++)
+    for (size_t a = 0; a < scene->species; a++) {
+        size_t count = 0;
+        for (size_t i = 0; i < scene->particles; i++)
+            count += scene->species_of[i] == (int)a;
+        snprintf(text, sizeof text, "%.60s: %zu particles", scene->species_name[a], count);
+        line(out, a ? "" : "species", text);
+    }
+    for (size_t a = 0; a < scene->species; a++)
+        for (size_t b = a; b < scene->species; b++) {
+            const dl_law *law = &model->priv->law[a * scene->species + b];
+            snprintf(text, sizeof text, "%.60s with %.60s%s", scene->species_name[a],
+                     scene->species_name[b], law->pieces ? "" : ": no force");
+            line(out, "pairs", text);
+            for (int k = 0; k < law->pieces; k++)
+                explain_piece(law, k, out);
+        }
+}
+
+/* The name of the loops, where all laws have the same. */
+static const char *loops_name(const dl_model *model) {
+    const dl_pair_problem *p = &model->priv->problem;
+    const char *name = NULL;
+    for (size_t k = 0; k < p->species * p->species; k++) {
+        if (p->law[k].pieces == 0)
+            continue;
+        if (name && strcmp(name, model->kernel->loops[k]->name) != 0)
+            return "one for each law";
+        name = model->kernel->loops[k]->name;
+    }
+    return name;
+}
+
+static void explain_pairs(const dl_model *model, FILE *out) {
+    const dl_law *law = model->priv->law;
+    char text[200];
+    if (model->scene->species > 0)
+        explain_species(model, out);
+    for (int k = 0; model->scene->species == 0 && k < law->pieces; k++)
         explain_piece(law, k, out);
     if (!model->kernel)
         return;
     snprintf(text, sizeof text, "%s, because %s", model->kernel->ops->name, model->kernel->reason);
     line(out, "kernel", text);
-    snprintf(text, sizeof text, "%s, instructions: %s", model->kernel->loops->name,
+    snprintf(text, sizeof text, "%s, instructions: %s", loops_name(model),
              model->kernel->vector->name);
     line(out, "pair loop", text);
 }
@@ -68,6 +139,36 @@ static void explain_gravity(const dl_model *model, FILE *out) {
              model->dimension == 3 ? g[2] : "",
              model->priv->gravity_mask ? ", on the particles that feel it" : "");
     line(out, "gravity", text);
+}
+
+static void explain_periods(const dl_model *model, FILE *out) {
+    bool first = true;
+    for (int c = 0; model->has_periods && c < model->dimension; c++) {
+        const dl_periods *periods = &model->scene->periods;
+        if (periods->length[c] == 0)
+            continue;
+        char low[40], length[40], text[200];
+        dl_format_real(periods->low[c], low, sizeof low);
+        dl_format_real(periods->length[c], length, sizeof length);
+        snprintf(text, sizeof text, "%c by %s from %s; separations to the nearest copy", "xyz"[c],
+                 length, low);
+        line(out, first ? "periods" : "", text);
+        first = false;
+    }
+}
+
+static void explain_wall_limits(const dl_walls *walls, FILE *out) {
+    char value[40], text[200];
+    if (walls->rule == DL_LOCATED && walls->damping > 0) {
+        dl_format_real(walls->rest, value, sizeof value);
+        snprintf(text, sizeof text, "a bounce shorter than %s of the time step is the last", value);
+        line(out, "", text);
+    }
+    if (walls->zero_vx_below > 0) {
+        dl_format_real(walls->zero_vx_below, value, sizeof value);
+        snprintf(text, sizeof text, "after a hit |vx| below %s becomes 0", value);
+        line(out, "", text);
+    }
 }
 
 static void explain_walls(const dl_model *model, FILE *out) {
@@ -85,9 +186,50 @@ static void explain_walls(const dl_model *model, FILE *out) {
     }
     char damping[40], text[200];
     dl_format_real(walls->damping, damping, sizeof damping);
-    snprintf(text, sizeof text, "mirror after a step; velocity times 1 - %s, booked in the ledger",
-             damping);
+    const char *rule =
+        walls->rule == DL_LOCATED ? "located hits and resting contacts" : "mirror after a step";
+    snprintf(text, sizeof text, "%s; velocity times 1 - %s, booked in the ledger", rule, damping);
     line(out, "", text);
+    explain_wall_limits(walls, out);
+}
+
+/* Who is on it. */
+static void explain_boundary(const dl_radiation *radiation, FILE *out) {
+    char opening[40], reach[40], text[200];
+    dl_format_real(radiation->opening, opening, sizeof opening);
+    dl_format_real(radiation->reach, reach, sizeof reach);
+    snprintf(text, sizeof text, "that no other hides, outward within %s degrees and %s%s", opening,
+             isfinite(radiation->reach) ? "a distance of " : "however far",
+             isfinite(radiation->reach) ? reach : "");
+    line(out, "", text);
+}
+
+static void explain_radiation(const dl_model *model, FILE *out) {
+    if (!model->has_radiation)
+        return;
+    const dl_radiation *radiation = &model->scene->radiation;
+    char period[40], beyond[40], above[40], below[40], text[200];
+    dl_format_real(radiation->period, period, sizeof period);
+    dl_format_real(radiation->beyond, beyond, sizeof beyond);
+    dl_format_real(radiation->factor_above, above, sizeof above);
+    dl_format_real(radiation->factor_below, below, sizeof below);
+    snprintf(text, sizeof text, "every %s, particles %s%s, booked in the ledger", period,
+             radiation->boundary ? "on the boundary" : "farther from the mass centre than ",
+             radiation->boundary ? "" : beyond);
+    line(out, "radiation", text);
+    if (radiation->boundary)
+        explain_boundary(radiation, out);
+    snprintf(text, sizeof text, "velocity%s times %s above the centre, %s below it",
+             radiation->frame == DL_FRAME_CENTRE ? " relative to the centre's" : "", above, below);
+    line(out, "", text);
+}
+
+static int most_pieces(const dl_model *model) {
+    const dl_pair_problem *p = &model->priv->problem;
+    int most = 0;
+    for (size_t k = 0; k < p->species * p->species; k++)
+        most = p->law[k].pieces > most ? p->law[k].pieces : most;
+    return most;
 }
 
 /* The things that are not there: not computed, not stored, not branched on. */
@@ -98,13 +240,16 @@ static void explain_absent(const dl_model *model, FILE *out) {
     } terms[] = {
         {!model->kernel, "pair forces"},
         {model->dimension == 2, "z components"},
-        {model->kernel && model->priv->law.pieces == 1, "switches of the pair law"},
-        {model->kernel && !model->priv->law.cut, "cutoff"},
+        {model->kernel && most_pieces(model) == 1, "switches of the pair law"},
+        {model->kernel && isinf(model->priv->problem.reach), "cutoff"},
+        {model->kernel && !model->priv->species_of, "laws by species"},
         {model->kernel && !model->priv->coupling, "couplings (all 1)"},
         {!model->priv->inverse_inertia, "division by inertia (all 1)"},
         {!model->has_gravity, "gravity"},
         {model->has_gravity && !model->priv->gravity_mask, "gravity mask (all feel it)"},
         {!model->has_walls, "walls and their test after each step"},
+        {!model->has_periods, "periods"},
+        {!model->has_radiation, "radiation"},
         {!model->has_pins, "pinned particles"},
     };
     const char *separator = "";
@@ -119,15 +264,15 @@ static void explain_absent(const dl_model *model, FILE *out) {
 
 static void explain_conserved(const dl_model *model, FILE *out) {
     char text[200];
-    snprintf(text, sizeof text, "energy%s%s%s", model->has_walls ? " with the walls' ledger" : "",
+    const bool jumps = model->has_walls || model->has_radiation;
+    snprintf(text, sizeof text, "energy%s%s%s", jumps ? " with the jumps' ledger" : "",
              dl_model_conserves_linear_momentum(model)
-                 ? model->has_gravity || model->has_walls
-                       ? ", linear momentum with the known impulses"
-                       : ", linear momentum"
+                 ? model->has_gravity || jumps ? ", linear momentum with the known impulses"
+                                               : ", linear momentum"
                  : "",
              !dl_model_conserves_angular_momentum(model) ? ""
-             : model->has_walls ? ", angular momentum with the walls' impulses"
-                                : ", angular momentum");
+             : jumps ? ", angular momentum with the jumps' impulses"
+                     : ", angular momentum");
     line(out, "conserved", text);
     if (dl_model_is_galilean_invariant(model))
         line(out, "frame",
@@ -153,6 +298,8 @@ void dl_explain(const dl_model *model, FILE *out) {
     explain_pairs(model, out);
     explain_gravity(model, out);
     explain_walls(model, out);
+    explain_periods(model, out);
+    explain_radiation(model, out);
     explain_time(model, out);
     explain_conserved(model, out);
     explain_absent(model, out);

@@ -106,7 +106,7 @@ bool dl_model_conserves_linear_momentum(const dl_model *model) {
 }
 
 bool dl_model_conserves_angular_momentum(const dl_model *model) {
-    return !model->has_pins && !model->has_gravity;
+    return !model->has_pins && !model->has_gravity && !model->has_periods;
 }
 
 bool dl_model_is_galilean_invariant(const dl_model *model) {

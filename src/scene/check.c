@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include "driftlab/parameter.h"
 #include "scene/draft.h"
+#include "scene/periods.h"
 
 static const char axis_names[] = "xyz";
 
@@ -88,13 +89,16 @@ static dl_status find_coincident(const dl_particles *particles, const place *pla
     return found ? coincident(particles, first, second, found - 1, error) : DL_OK;
 }
 
-static dl_status check_coincidence(const dl_particles *particles, dl_error *error) {
+static dl_status check_coincidence(const dl_particles *particles, const dl_periods *periods,
+                                   dl_error *error) {
     place *const places = malloc(particles->count * sizeof *places);
     if (!places)
         return dl_fail_memory(error, "the search for coincident particles");
     for (size_t i = 0; i < particles->count; i++) {
         const double *const x = particles->particle[i].position;
         places[i] = (place){{x[0], x[1], x[2]}, i};
+        for (int axis = 0; axis < 3 && periods->present; axis++)
+            places[i].position[axis] = dl_periods_key(periods, axis, x[axis]);
     }
     qsort(places, particles->count, sizeof *places, compare_places);
     const dl_status status = find_coincident(particles, places, error);
@@ -116,9 +120,9 @@ static dl_status check_motion(const dl_particles *particles, dl_error *error) {
 }
 
 dl_status dl_particles_check(const dl_particles *particles, const dl_walls *walls,
-                             dl_error *error) {
+                             const dl_periods *periods, dl_error *error) {
     dl_status status = check_motion(particles, error);
     if (!status && walls->present)
         status = check_walls(particles, walls, error);
-    return status ? status : check_coincidence(particles, error);
+    return status ? status : check_coincidence(particles, periods, error);
 }

@@ -1,13 +1,17 @@
 #include <stdio.h>
 #include <string.h>
 #include "driftlab/scene.h"
+#include "scene/initial.h"
 #include "scene/tables.h"
 
 enum { form_width = 26 };
 
 static const dl_scene_section *const sections[] = {
-    &dl_section_scene, &dl_section_particle, &dl_section_columns, &dl_section_piece,
-    &dl_section_term,  &dl_section_walls,    &dl_section_time,
+    &dl_section_scene,    &dl_section_particle,  &dl_section_columns, &dl_section_piece,
+    &dl_section_term,     &dl_section_pair,      &dl_section_walls,   &dl_section_periods,
+    &dl_section_time,     &dl_section_radiation, &dl_section_lattice, &dl_section_random,
+    &dl_section_exchange, &dl_section_rotation,  &dl_section_perturb, &dl_section_start,
+    &dl_section_remove,
 };
 
 static const char example[] =

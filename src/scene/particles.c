@@ -4,6 +4,8 @@
 #include <string.h>
 #include "scene/csv.h"
 #include "scene/draft.h"
+#include "scene/initial.h"
+#include "scene/species.h"
 #include "scene/tables.h"
 
 enum { most_columns = 16 };
@@ -12,15 +14,13 @@ static const char axis_names[] = "xyz";
 
 /* --- one particle ----------------------------------------------------------------------------- */
 
-static dl_status add(dl_particles *particles, const dl_scene_row *row, const char *file, int line,
-                     dl_error *error) {
+dl_status dl_particles_add(dl_particles *particles, const dl_scene_row *row, const char *file,
+                           int line, dl_error *error) {
     const dl_scene_attributes *const own = &row->attributes;
-    for (int axis = 0; axis < particles->dimension && own->pinned; axis++)
-        if (row->velocity[axis] != 0)
-            return dl_fail(error, DL_INPUT,
-                           "%s:%d: velocity: found %g along %c, expected 0 for a "
-                           "pinned particle",
-                           file, line, row->velocity[axis], axis_names[axis]);
+    int species;
+    const dl_status status = dl_species_find(particles, own->species, file, line, &species, error);
+    if (status)
+        return status;
     if (particles->count == particles->room) {
         const size_t room = particles->room ? 2 * particles->room : 64;
         dl_particle *const larger = realloc(particles->particle, room * sizeof *larger);
@@ -33,6 +33,7 @@ static dl_status add(dl_particles *particles, const dl_scene_row *row, const cha
     *particle = (dl_particle){
         .inertia = isinf(own->inertia) ? own->mass : own->inertia,
         .coupling = isinf(own->coupling) ? own->mass : own->coupling,
+        .species = species,
         .pinned = own->pinned,
         .gravity = own->gravity,
         .file = file,
@@ -43,18 +44,12 @@ static dl_status add(dl_particles *particles, const dl_scene_row *row, const cha
     return DL_OK;
 }
 
-static dl_status read_single(const dl_yaml *yaml, const dl_yaml_node *node,
-                             const dl_scene_item *item, dl_particles *particles, dl_error *error) {
-    dl_scene_row row = {.attributes = item->attributes};
-    const size_t dimension = (size_t)particles->dimension;
-    const dl_yaml_node *const at = dl_yaml_get(node, "at");
-    const dl_yaml_node *const velocity = dl_yaml_get(node, "velocity");
-    if (!at)
-        return dl_yaml_missing(yaml, node, "at", "a position, or a file of particles", error);
-    dl_status status = dl_yaml_reals(yaml, at, "at", dimension, NAN, row.position, error);
-    if (!status && velocity)
-        status = dl_yaml_reals(yaml, velocity, "velocity", dimension, NAN, row.velocity, error);
-    return status ? status : add(particles, &row, dl_yaml_path(yaml), dl_yaml_line(node), error);
+static dl_status place_single(dl_initial *initial, dl_error *error) {
+    const dl_yaml_node *const at = dl_yaml_get(initial->node, "at");
+    double position[3] = {0};
+    const dl_status status = dl_yaml_reals(
+        initial->yaml, at, "at", (size_t)initial->particles->dimension, NAN, position, error);
+    return status ? status : dl_initial_add(initial, position, error);
 }
 
 /* --- a data file ------------------------------------------------------------------------------ */
@@ -74,7 +69,7 @@ static dl_status add_column(const dl_csv *csv, const char *name, column_list *co
         const char *const closest = dl_parameter_closest(dl_section_columns.table, name);
         return dl_fail(error, DL_INPUT,
                        "%s:%d: found the column %s, expected x, y, z, vx, vy, vz, mass or m, "
-                       "inertia, coupling, pinned, gravity%s%s%s",
+                       "inertia, coupling, species, pinned, gravity%s%s%s",
                        csv->path, csv->line, shown, closest ? "; did you mean \"" : "",
                        closest ? closest : "", closest ? "\"?" : "");
     }
@@ -153,9 +148,12 @@ static dl_status read_rows(dl_csv *csv, const dl_scene_item *item, dl_particles 
         status = dl_csv_next(csv, &found, error);
         if (status || !found)
             break;
-        status = read_row(csv, &columns, &row, error);
+        row.attributes.species = strdup(item->attributes.species); /* a column may replace it */
+        status = row.attributes.species ? read_row(csv, &columns, &row, error)
+                                        : dl_fail_memory(error, "a species");
         if (!status)
-            status = add(particles, &row, csv->path, csv->line, error);
+            status = dl_particles_add(particles, &row, csv->path, csv->line, error);
+        dl_parameter_release(dl_section_columns.table, &row);
     }
     if (!status && particles->count == before)
         status = dl_fail(error, DL_INPUT, "%s:%d: found no rows, expected one a particle",
@@ -175,28 +173,30 @@ static char *beside(const char *scene_path, const char *file) {
     return path;
 }
 
-static dl_status keep_path(dl_particles *particles, char *path, dl_error *error) {
+dl_status dl_particles_keep_path(dl_particles *particles, const char *scene_path, const char *name,
+                                 const char **path, dl_error *error) {
     char **const file = realloc(particles->file, (particles->files + 1) * sizeof *file);
-    if (!file) {
-        free(path);
+    if (!file)
         return dl_fail_memory(error, "paths of data files");
-    }
     particles->file = file;
-    file[particles->files++] = path;
+    file[particles->files] = beside(scene_path, name);
+    if (!file[particles->files])
+        return dl_fail_memory(error, name);
+    *path = file[particles->files++];
     return DL_OK;
 }
 
-static dl_status read_file(const dl_yaml *yaml, const dl_yaml_node *node, const dl_scene_item *item,
-                           dl_particles *particles, dl_error *error) {
-    static const char *const single[] = {"at", "velocity"};
-    for (size_t i = 0; i < 2; i++)
-        if (dl_yaml_get(node, single[i]))
-            return dl_yaml_fail(yaml, dl_yaml_get(node, single[i]), single[i],
+static dl_status place_file(dl_initial *initial, dl_error *error) {
+    static const char *const given[] = {"at", "velocity", "lattice", "random"};
+    const dl_yaml *const yaml = initial->yaml;
+    const dl_yaml_node *const node = initial->node;
+    const char *path;
+    for (size_t i = 0; i < sizeof given / sizeof *given; i++)
+        if (dl_yaml_get(node, given[i]))
+            return dl_yaml_fail(yaml, dl_yaml_get(node, given[i]), given[i],
                                 "none beside a file, whose columns give it", error);
-    char *const path = beside(dl_yaml_path(yaml), item->file);
-    if (!path)
-        return dl_fail_memory(error, item->file);
-    dl_status status = keep_path(particles, path, error);
+    dl_status status = dl_particles_keep_path(initial->particles, dl_yaml_path(yaml),
+                                              initial->item->file, &path, error);
     if (status)
         return status;
     dl_csv csv;
@@ -205,19 +205,82 @@ static dl_status read_file(const dl_yaml *yaml, const dl_yaml_node *node, const 
     if (status)
         return dl_fail(error, status, "%s:%d: file: %.900s, expected a data file",
                        dl_yaml_path(yaml), dl_yaml_line(dl_yaml_get(node, "file")), reason.message);
-    status = read_rows(&csv, item, particles, error);
+    status = read_rows(&csv, initial->item, initial->particles, error);
     dl_csv_close(&csv);
     return status;
 }
 
 /* --- the list --------------------------------------------------------------------------------- */
 
-static dl_status read_item(const dl_yaml *yaml, const dl_yaml_node *node, dl_particles *particles,
-                           dl_error *error) {
-    dl_scene_item item = {0};
-    dl_status status = dl_scene_read_section(yaml, node, &dl_section_particle, &item, error);
+typedef dl_status placement(dl_initial *initial, dl_error *error);
+
+static const struct {
+    const char *key;
+    placement *place;
+} placements[] = {
+    {"file", place_file},
+    {"at", place_single},
+    {"lattice", dl_initial_place_lattice},
+    {"random", dl_initial_place_random},
+};
+
+static dl_status place(dl_initial *initial, dl_error *error) {
+    placement *chosen = NULL;
+    for (size_t i = 0; i < sizeof placements / sizeof *placements; i++) {
+        const dl_yaml_node *const node = dl_yaml_get(initial->node, placements[i].key);
+        /* a file says itself what it does not go with */
+        if (node && chosen && chosen != place_file)
+            return dl_yaml_fail(initial->yaml, node, placements[i].key,
+                                "one of at, file, lattice and random", error);
+        if (node && !chosen)
+            chosen = placements[i].place;
+    }
+    if (!chosen)
+        return dl_yaml_missing(initial->yaml, initial->node, "at",
+                               "a position, a file of particles, a lattice or random", error);
+    return chosen(initial, error);
+}
+
+static dl_status check_pinned(const dl_particle *particle, int dimension, dl_error *error) {
+    for (int axis = 0; axis < dimension && particle->pinned; axis++)
+        if (particle->velocity[axis] != 0)
+            return dl_fail(error, DL_INPUT,
+                           "%s:%d: velocity: found %g along %c, expected 0 for a pinned particle",
+                           particle->file, particle->line, particle->velocity[axis],
+                           axis_names[axis]);
+    return DL_OK;
+}
+
+static dl_status carry_out(dl_initial *initial, dl_error *error) {
+    const dl_particles *const particles = initial->particles;
+    dl_status status = place(initial, error);
     if (!status)
-        status = (item.file[0] ? read_file : read_single)(yaml, node, &item, particles, error);
+        status = dl_initial_set_masses(initial, error);
+    if (!status)
+        status = dl_initial_set_motion(initial, error);
+    for (size_t i = initial->first; i < particles->count && !status; i++)
+        status = check_pinned(&particles->particle[i], particles->dimension, error);
+    return status;
+}
+
+/* `place_in_list` counts from 1: 0 is for items with a seed of their own. */
+static dl_status read_item(const dl_yaml *yaml, const dl_yaml_node *node, size_t place_in_list,
+                           dl_particles *particles, dl_error *error) {
+    dl_scene_item item = {0};
+    dl_initial initial = {.yaml = yaml,
+                          .node = node,
+                          .item = &item,
+                          .particles = particles,
+                          .first = particles->count};
+    dl_status status = dl_scene_read_section(yaml, node, &dl_section_particle, &item, error);
+    if (!status) {
+        const bool own = item.seed >= 0;
+        status = dl_random_create(own ? (uint64_t)item.seed : particles->seed,
+                                  own ? 0 : place_in_list, &initial.random, error);
+    }
+    if (!status)
+        status = carry_out(&initial, error);
+    dl_random_free(initial.random);
     dl_parameter_release(dl_section_particle.table, &item);
     return status;
 }
@@ -228,7 +291,7 @@ dl_status dl_particles_read(const dl_yaml *yaml, const dl_yaml_node *node, dl_pa
         return dl_yaml_fail(yaml, node, "particles", "a list of at least one particle", error);
     dl_status status = DL_OK;
     for (size_t i = 0; i < dl_yaml_length(node) && !status; i++)
-        status = read_item(yaml, dl_yaml_item(node, i), particles, error);
+        status = read_item(yaml, dl_yaml_item(node, i), i + 1, particles, error);
     return status;
 }
 

@@ -2,7 +2,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include "driftlab/scene.h"
+#include "driftlab/trajectory.h"
 #include "scene/draft.h"
+#include "scene/initial.h"
+#include "scene/periods.h"
+#include "scene/species.h"
 #include "scene/tables.h"
 
 /* --- pair law --------------------------------------------------------------------------------- */
@@ -26,12 +30,34 @@ static dl_status read_terms(const dl_yaml *yaml, const dl_yaml_node *piece_node,
     return status;
 }
 
+/* Where the piece begins, ends and how: a width belongs to a taper alone. */
+static dl_status check_end(const dl_yaml *yaml, const dl_yaml_node *node, double begin,
+                           const dl_scene_piece_values *values, dl_error *error) {
+    const dl_yaml_node *const width = dl_yaml_get(node, "width");
+    if (values->end != DL_END_HARD && isinf(values->until))
+        return dl_yaml_fail(yaml, dl_yaml_get(node, "end"), "end",
+                            "hard: the piece never ends (it has no until)", error);
+    if (values->end == DL_END_TAPER && isinf(values->width))
+        return dl_yaml_missing(yaml, node, "width", "the length over which the force is tapered",
+                               error);
+    if (values->end != DL_END_TAPER && isfinite(values->width))
+        return dl_yaml_fail(yaml, width, "width", "none: only a piece with end: taper has one",
+                            error);
+    if (values->end == DL_END_TAPER && !(values->width < values->until - begin)) {
+        char expected[96], length[40];
+        dl_format_real(values->until - begin, length, sizeof length);
+        snprintf(expected, sizeof expected, "less than %s, the length of the piece", length);
+        return dl_yaml_fail(yaml, width, "width", expected, error);
+    }
+    return DL_OK;
+}
+
 static dl_status read_piece(const dl_yaml *yaml, const dl_yaml_node *node, double previous,
                             dl_piece *piece, dl_error *error) {
     if (isinf(previous))
         return dl_yaml_fail(yaml, node, "pair_law", "no piece after one that does not end", error);
     dl_scene_piece_values values = {0};
-    const dl_status status = dl_scene_read_section(yaml, node, &dl_section_piece, &values, error);
+    dl_status status = dl_scene_read_section(yaml, node, &dl_section_piece, &values, error);
     if (status)
         return status;
     if (values.until <= previous) {
@@ -40,7 +66,12 @@ static dl_status read_piece(const dl_yaml *yaml, const dl_yaml_node *node, doubl
         snprintf(expected, sizeof expected, "more than %s, where the piece before ends", end);
         return dl_yaml_fail(yaml, dl_yaml_get(node, "until"), "until", expected, error);
     }
+    status = check_end(yaml, node, previous, &values, error);
+    if (status)
+        return status;
     piece->until = values.until;
+    piece->end = (dl_piece_end)values.end;
+    piece->width = values.end == DL_END_TAPER ? values.width : 0;
     return read_terms(yaml, node, piece, error);
 }
 
@@ -51,8 +82,8 @@ static bool is_zero(const dl_piece *piece) {
     return true;
 }
 
-static dl_status read_pair_law(const dl_yaml *yaml, const dl_yaml_node *node, dl_pair_law *law,
-                               dl_error *error) {
+dl_status dl_scene_read_pair_law(const dl_yaml *yaml, const dl_yaml_node *node, dl_pair_law *law,
+                                 dl_error *error) {
     if (!node)
         return DL_OK;
     if (dl_yaml_kind_of(node) != DL_YAML_LIST || dl_yaml_length(node) > DL_MAX_PIECES) {
@@ -121,9 +152,14 @@ static dl_status read_walls(const dl_yaml *yaml, const dl_yaml_node *node, dl_sc
         if (ends)
             status = read_axis(yaml, ends, axis, scene, error);
     }
+    const dl_yaml_node *const rest = dl_yaml_get(node, "rest");
+    if (!status && rest && values.rule != DL_LOCATED)
+        status = dl_yaml_fail(yaml, rest, "rest", "none: only rule: located has contacts that rest",
+                              error);
     walls->damping = values.damping;
     walls->zero_vx_below = values.zero_vx_below;
     walls->rule = (dl_wall_rule)values.rule;
+    walls->rest = values.rest;
     return status;
 }
 
@@ -154,6 +190,15 @@ static dl_status read_time(const dl_yaml *yaml, const dl_yaml_node *root, dl_sce
     return status;
 }
 
+static dl_status read_radiation(const dl_yaml *yaml, const dl_yaml_node *root, dl_scene *scene,
+                                dl_error *error) {
+    const dl_yaml_node *const node = dl_yaml_get(root, "radiation");
+    dl_radiation *const radiation = &scene->radiation;
+    const dl_status status = dl_scene_read_radiation(yaml, node, radiation, error);
+    return status ? status
+                  : check_whole(yaml, node, "period", radiation->period, scene->step, error);
+}
+
 /* --- particles -------------------------------------------------------------------------------- */
 
 static dl_status copy_particles(const dl_particles *particles, dl_scene *scene, dl_error *error) {
@@ -167,22 +212,39 @@ static dl_status copy_particles(const dl_particles *particles, dl_scene *scene, 
             scene->velocity[axis * n + i] = particle->velocity[axis];
         }
         scene->inertia[i] = particle->inertia;
-        scene->coupling[i] = scene->law.pieces > 0 ? particle->coupling : 1;
+        scene->coupling[i] = particle->coupling;
+        if (scene->species > 0)
+            scene->species_of[i] = particle->species;
         scene->feels_gravity[i] = particle->gravity;
         scene->pinned[i] = particle->pinned;
     }
     return status;
 }
 
-static dl_status read_particles(const dl_yaml *yaml, const dl_yaml_node *root, dl_scene *scene,
+/* `trajectory` not NULL: they are those of its first frame, whatever the file says. */
+static dl_status read_particles(const dl_yaml *yaml, const dl_yaml_node *root,
+                                const char *trajectory, uint64_t seed, dl_scene *scene,
                                 dl_error *error) {
-    const dl_yaml_node *const node = dl_yaml_get(root, "particles");
-    if (!node)
+    const dl_yaml_node *const node = trajectory ? NULL : dl_yaml_get(root, "particles");
+    const dl_yaml_node *const start = trajectory ? NULL : dl_yaml_get(root, "start");
+    if (!node && !start && !trajectory)
         return dl_yaml_missing(yaml, root, "particles", "a list of at least one particle", error);
-    dl_particles particles = {.dimension = scene->dimension};
-    dl_status status = dl_particles_read(yaml, node, &particles, error);
-    if (!status)
-        status = dl_particles_check(&particles, &scene->walls, error);
+    dl_particles particles = {.scene = scene, .dimension = scene->dimension, .seed = seed};
+    dl_status status = start ? dl_initial_start(yaml, start, &particles, error) : DL_OK;
+    if (!status && trajectory)
+        status = dl_initial_resume(trajectory, &particles, error);
+    if (!status && start) {
+        scene->start = strdup(particles.file[0]); /* the first that it read */
+        status = scene->start ? DL_OK : dl_fail_memory(error, "a scene");
+    }
+    if (!status && node)
+        status = dl_particles_read(yaml, node, &particles, error);
+    if (!status && particles.count == 0)
+        status = dl_yaml_fail(yaml, start, "start", "a particle that is left", error);
+    if (!status) {
+        dl_periods_wrap(&scene->periods, &particles);
+        status = dl_particles_check(&particles, &scene->walls, &scene->periods, error);
+    }
     if (!status)
         status = copy_particles(&particles, scene, error);
     dl_particles_free(&particles);
@@ -192,7 +254,7 @@ static dl_status read_particles(const dl_yaml *yaml, const dl_yaml_node *root, d
 /* --- the scene -------------------------------------------------------------------------------- */
 
 static dl_status read_header(const dl_yaml *yaml, const dl_yaml_node *root, dl_scene *scene,
-                             dl_error *error) {
+                             uint64_t *seed, dl_error *error) {
     dl_scene_header header = {0};
     dl_status status = dl_scene_read_section(yaml, root, &dl_section_scene, &header, error);
     if (!status && header.name[0] == '\0')
@@ -202,26 +264,30 @@ static dl_status read_header(const dl_yaml *yaml, const dl_yaml_node *root, dl_s
     scene->dimension = (int)header.dimension;
     scene->kernel = (dl_kernel_choice)header.kernel;
     scene->skin = header.skin;
+    *seed = (uint64_t)header.seed;
     return status;
 }
 
 static dl_status check_kernel(const dl_yaml *yaml, const dl_yaml_node *root, const dl_scene *scene,
                               dl_error *error) {
-    const int pieces = scene->law.pieces;
-    if (scene->kernel != DL_KERNEL_NEIGHBOUR_LIST ||
-        (pieces > 0 && isfinite(scene->law.piece[pieces - 1].until)))
+    const double reach = dl_scene_reach(scene);
+    if (scene->kernel != DL_KERNEL_NEIGHBOUR_LIST || (reach > 0 && isfinite(reach)))
         return DL_OK;
     return dl_yaml_fail(yaml, dl_yaml_get(root, "kernel"), "kernel",
-                        pieces ? "another one: the pair_law never ends"
-                               : "another one: there is no pair_law",
+                        reach > 0 ? "another one: the pair_law never ends"
+                                  : "another one: there is no pair_law",
                         error);
 }
 
-static dl_status read_scene(const dl_yaml *yaml, dl_scene *scene, dl_error *error) {
+static dl_status read_scene(const dl_yaml *yaml, const char *trajectory, dl_scene *scene,
+                            dl_error *error) {
     const dl_yaml_node *const root = dl_yaml_root(yaml);
-    dl_status status = read_header(yaml, root, scene, error);
+    uint64_t seed;
+    dl_status status = read_header(yaml, root, scene, &seed, error);
     if (!status)
-        status = read_pair_law(yaml, dl_yaml_get(root, "pair_law"), &scene->law, error);
+        status = dl_scene_read_pair_law(yaml, dl_yaml_get(root, "pair_law"), &scene->law, error);
+    if (!status)
+        status = dl_species_read(yaml, root, scene, error);
     if (!status)
         status = check_kernel(yaml, root, scene, error);
     if (!status)
@@ -231,7 +297,11 @@ static dl_status read_scene(const dl_yaml *yaml, dl_scene *scene, dl_error *erro
     if (!status)
         status = read_time(yaml, root, scene, error);
     if (!status)
-        status = read_particles(yaml, root, scene, error);
+        status = read_radiation(yaml, root, scene, error);
+    if (!status)
+        status = dl_periods_read(yaml, root, scene, error);
+    if (!status)
+        status = read_particles(yaml, root, trajectory, seed, scene, error);
     if (status)
         return status;
     scene->file = strdup(dl_yaml_path(yaml));
@@ -239,18 +309,40 @@ static dl_status read_scene(const dl_yaml *yaml, dl_scene *scene, dl_error *erro
     return scene->file && scene->text ? DL_OK : dl_fail_memory(error, "a scene");
 }
 
-dl_status dl_scene_read(const char *path, dl_scene **scene_out, dl_error *error) {
-    *scene_out = NULL;
-    dl_yaml *yaml;
-    dl_status status = dl_yaml_read(path, &yaml, error);
-    if (status)
-        return status;
+static dl_status scene_of(const dl_yaml *yaml, const char *trajectory, dl_scene **scene_out,
+                          dl_error *error) {
     dl_scene *const scene = calloc(1, sizeof *scene);
-    status = scene ? read_scene(yaml, scene, error) : dl_fail_memory(error, path);
-    dl_yaml_free(yaml);
+    const dl_status status = scene ? read_scene(yaml, trajectory, scene, error)
+                                   : dl_fail_memory(error, dl_yaml_path(yaml));
     if (status)
         dl_scene_free(scene);
     else
         *scene_out = scene;
+    return status;
+}
+
+dl_status dl_scene_read(const char *path, dl_scene **scene, dl_error *error) {
+    *scene = NULL;
+    dl_yaml *yaml;
+    dl_status status = dl_yaml_read(path, &yaml, error);
+    if (status)
+        return status;
+    status = scene_of(yaml, NULL, scene, error);
+    dl_yaml_free(yaml);
+    return status;
+}
+
+dl_status dl_scene_read_trajectory(const char *path, dl_scene **scene, dl_error *error) {
+    *scene = NULL;
+    char *text;
+    dl_yaml *yaml = NULL;
+    dl_status status = dl_trajectory_read_scene_text(path, &text, error);
+    if (status)
+        return status;
+    status = dl_yaml_parse(path, text, &yaml, error);
+    if (!status)
+        status = scene_of(yaml, path, scene, error);
+    dl_yaml_free(yaml);
+    free(text);
     return status;
 }

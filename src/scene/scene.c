@@ -13,12 +13,18 @@ void dl_scene_free(dl_scene *scene) {
     free(scene->source);
     free(scene->file);
     free(scene->text);
+    free(scene->start);
     free(scene->position);
     free(scene->velocity);
     free(scene->inertia);
     free(scene->coupling);
     free(scene->feels_gravity);
     free(scene->pinned);
+    for (size_t k = 0; scene->species_name && k < scene->species; k++)
+        free(scene->species_name[k]);
+    free(scene->species_name);
+    free(scene->species_law);
+    free(scene->species_of);
     free(scene);
 }
 
@@ -30,8 +36,10 @@ dl_status dl_scene_allocate(dl_scene *scene, dl_error *error) {
     scene->coupling = calloc(n, sizeof *scene->coupling);
     scene->feels_gravity = calloc(n, sizeof *scene->feels_gravity);
     scene->pinned = calloc(n, sizeof *scene->pinned);
+    scene->species_of = scene->species > 0 ? calloc(n, sizeof *scene->species_of) : NULL;
     const bool complete = scene->position && scene->velocity && scene->inertia && scene->coupling &&
-                          scene->feels_gravity && scene->pinned;
+                          scene->feels_gravity && scene->pinned &&
+                          (scene->species == 0 || scene->species_of);
     return complete ? DL_OK : dl_fail_memory(error, "the particles of a scene");
 }
 
@@ -61,14 +69,38 @@ static void copy_particles(const dl_scene *from, dl_scene *to) {
     memcpy(to->coupling, from->coupling, n * sizeof *to->coupling);
     memcpy(to->feels_gravity, from->feels_gravity, n * sizeof *to->feels_gravity);
     memcpy(to->pinned, from->pinned, n * sizeof *to->pinned);
+    if (from->species > 0 && to->species_of)
+        memcpy(to->species_of, from->species_of, n * sizeof *to->species_of);
+}
+
+static dl_status copy_species(const dl_scene *from, dl_scene *to, dl_error *error) {
+    const size_t n = from->species;
+    to->species_name = NULL;
+    to->species_law = NULL;
+    if (n == 0)
+        return DL_OK;
+    to->species_name = calloc(n, sizeof *to->species_name);
+    to->species_law = malloc(n * n * sizeof *to->species_law);
+    bool complete = to->species_name && to->species_law;
+    for (size_t k = 0; k < n && complete; k++) {
+        to->species_name[k] = strdup(from->species_name[k]);
+        complete = to->species_name[k];
+    }
+    if (!complete)
+        return dl_fail_memory(error, "the species of a scene");
+    memcpy(to->species_law, from->species_law, n * n * sizeof *to->species_law);
+    return DL_OK;
 }
 
 static dl_status copy_scene(const dl_scene *from, dl_scene *to, dl_error *error) {
     *to = *from;
-    to->name = to->source = to->file = to->text = NULL;
+    to->name = to->source = to->file = to->text = to->start = NULL;
     to->position = to->velocity = to->inertia = to->coupling = NULL;
     to->feels_gravity = to->pinned = NULL;
-    dl_status status = copy_texts(from, to, error);
+    to->species_of = NULL;
+    dl_status status = copy_species(from, to, error);
+    if (!status)
+        status = copy_texts(from, to, error);
     if (!status)
         status = dl_scene_allocate(to, error);
     if (!status)

@@ -15,7 +15,18 @@ static const char *const kernel_words[] = {
     NULL,
 };
 
-static const char *const wall_rule_words[] = {[DL_MIRROR] = "mirror", NULL};
+static const char *const piece_end_words[] = {
+    [DL_END_HARD] = "hard",
+    [DL_END_SHIFTED_FORCE] = "shifted-force",
+    [DL_END_TAPER] = "taper",
+    NULL,
+};
+
+static const char *const wall_rule_words[] = {
+    [DL_MIRROR] = "mirror",
+    [DL_LOCATED] = "located",
+    NULL,
+};
 
 static const dl_parameter scene_rows[] = {
     {.name = "name",
@@ -51,6 +62,14 @@ static const dl_parameter scene_rows[] = {
      .maximum = INFINITY,
      .fallback = "0",
      .doc = "margin of the neighbour list beyond the reach of the law; 0: chosen"},
+    {.name = "seed",
+     .kind = DL_INTEGER,
+     .offset = offsetof(dl_scene_header, seed),
+     .unit = "",
+     .minimum = 0,
+     .maximum = 4294967295,
+     .fallback = "0",
+     .doc = "of the random numbers of initial states, which are a stream for each particle"},
 };
 
 const dl_scene_section dl_section_scene = {
@@ -59,9 +78,13 @@ const dl_scene_section dl_section_scene = {
     .doc = "The top of the file.",
     .table = TABLE(scene_rows),
     .key = {{"particles", "[PARTICLE, ...]", "particles, in the order of the results"},
+            {"start", "START", "particles from another run, before those; absent: none"},
             {"pair_law", "[PIECE, ...]", "radial pieces of the pair force; absent: no pair force"},
+            {"pair_laws", "[PAIR, ...]", "laws by species, in the place of pair_law"},
             {"gravity", "[gx, gy] or [gx, gy, gz]", "uniform acceleration; absent: none"},
-            {"walls", "WALLS", "planes that particles are mirrored at; absent: none"},
+            {"walls", "WALLS", "planes that turn particles back; absent: none"},
+            {"periodic", "PERIODIC", "axes along which the scene repeats itself; absent: none"},
+            {"radiation", "RADIATION", "scheduled jumps of outer velocities; absent: none"},
             {"time", "TIME", "required: step, end and sampling"}},
 };
 
@@ -90,6 +113,12 @@ const dl_scene_section dl_section_scene = {
          .maximum = INFINITY,                                                                      \
          .fallback = "none",                                                                       \
          .doc = "factor of the particle in its pair forces; none: the mass"},                      \
+        {.name = "species",                                                                        \
+         .kind = DL_TEXT,                                                                          \
+         .offset = offsetof(type, attributes.species),                                             \
+         .unit = "",                                                                               \
+         .fallback = "",                                                                           \
+         .doc = "name by which pair_laws tells the particle's forces"},                            \
         {.name = "pinned",                                                                         \
          .kind = DL_FLAG,                                                                          \
          .offset = offsetof(type, attributes.pinned),                                              \
@@ -109,15 +138,55 @@ static const dl_parameter particle_rows[] = {
      .fallback = "",
      .doc = "data file (CSV), relative to the scene's folder; instead of at"},
     ATTRIBUTE_ROWS(dl_scene_item),
+    {.name = "speed",
+     .kind = DL_REAL,
+     .offset = offsetof(dl_scene_item, speed),
+     .unit = "length/time",
+     .minimum = 0,
+     .maximum = INFINITY,
+     .fallback = "0",
+     .doc = "a velocity of this size in a random direction"},
+    {.name = "temperature",
+     .kind = DL_REAL,
+     .offset = offsetof(dl_scene_item, temperature),
+     .unit = "energy",
+     .minimum = 0,
+     .maximum = INFINITY,
+     .fallback = "0",
+     .doc = "normal velocity components of variance temperature/inertia"},
+    {.name = "drift",
+     .kind = DL_FLAG,
+     .offset = offsetof(dl_scene_item, drift),
+     .unit = "",
+     .fallback = "true",
+     .doc = "false: the mean of those two is taken off, so that they carry no momentum"},
+    {.name = "seed",
+     .kind = DL_INTEGER,
+     .offset = offsetof(dl_scene_item, seed),
+     .unit = "",
+     .minimum = -1,
+     .maximum = 4294967295,
+     .fallback = "-1",
+     .doc = "of the item's random numbers; -1: from the scene's and the item's place in the list"},
 };
 
 const dl_scene_section dl_section_particle = {
     .title = "PARTICLE",
     .within = "particles",
-    .doc = "One particle (at), or as many as a data file has rows (file).",
+    .doc = "One particle (at), or as many as a data file has rows (file), or as a rule makes "
+           "(lattice,\n"
+           "random). Velocities given in several ways add up.",
     .table = TABLE(particle_rows),
     .key = {{"at", "[x, y] or [x, y, z]", "position of a single particle"},
-            {"velocity", "[vx, vy] or [vx, vy, vz]", "of a single particle; absent: 0"}},
+            {"lattice", "LATTICE", "particles on a lattice"},
+            {"random", "RANDOM", "particles at random positions"},
+            {"masses", "[[mass, count], ...]",
+             "so many of each, dealt out at random; not with a file"},
+            {"exchange", "EXCHANGE", "heavy particles at the rim change places with light ones"},
+            {"velocity", "[vx, vy] or [vx, vy, vz]",
+             "of every particle; not with a file; absent: 0"},
+            {"rotation", "ROTATION", "velocities of a rotation"},
+            {"perturb", "PERTURB", "random changes of the velocity"}},
 };
 
 #define COLUMN(column, member, dimension_of_it, default_text, text)                                \
@@ -163,6 +232,21 @@ static const dl_parameter piece_rows[] = {
      .above_minimum = true,
      .fallback = "none",
      .doc = "distance at which the piece ends; none: it does not"},
+    {.name = "end",
+     .kind = DL_WORD,
+     .offset = offsetof(dl_scene_piece_values, end),
+     .unit = "",
+     .words = piece_end_words,
+     .fallback = "hard",
+     .doc = "there the force jumps, is shifted to be continuous, or is tapered to be C2"},
+    {.name = "width",
+     .kind = DL_REAL,
+     .offset = offsetof(dl_scene_piece_values, width),
+     .unit = "length",
+     .maximum = INFINITY,
+     .above_minimum = true,
+     .fallback = "none",
+     .doc = "of the taper before the piece's end, less than the piece is long"},
 };
 
 const dl_scene_section dl_section_piece = {
@@ -199,6 +283,16 @@ const dl_scene_section dl_section_term = {
     .table = TABLE(term_rows),
 };
 
+const dl_scene_section dl_section_pair = {
+    .title = "PAIR",
+    .within = "pair_laws",
+    .doc = "The law between two species, or within one. Every pair of the species that are named "
+           "must\n"
+           "have one.",
+    .key = {{"between", "[SPECIES, SPECIES]", "which two"},
+            {"pieces", "[PIECE, ...]", "as in pair_law, or none for no force"}},
+};
+
 static const dl_parameter wall_rows[] = {
     {.name = "damping",
      .kind = DL_REAL,
@@ -222,17 +316,43 @@ static const dl_parameter wall_rows[] = {
      .unit = "",
      .words = wall_rule_words,
      .fallback = "mirror",
-     .doc = "mirror: after a step, positions outside are reflected and the normal velocity turned"},
+     .doc = "mirror: after a step, positions outside are reflected and the normal velocity turned; "
+            "located: the hit time is found and the velocity turned there"},
+    {.name = "rest",
+     .kind = DL_REAL,
+     .offset = offsetof(dl_scene_wall_values, rest),
+     .unit = "",
+     .minimum = 0,
+     .maximum = 1,
+     .fallback = "1e-9",
+     .doc = "located, with damping: a bounce that would last less than this part of the time step "
+            "is the last; the particle rests until the force turns away from the wall"},
 };
 
 const dl_scene_section dl_section_walls = {
     .title = "WALLS",
     .within = "walls",
-    .doc = "Planes normal to the axes; none in the place of one that is not there.",
+    .doc =
+        "Planes normal to the axes; none in the place of one that is not there. Two rules: "
+        "mirror,\n"
+        "the papers', and located, which finds the time of a hit and lets particles come to rest.",
     .table = TABLE(wall_rows),
     .key = {{"x", "[low, high]", "where x is kept"},
             {"y", "[low, high]", "where y is kept"},
             {"z", "[low, high]", "where z is kept, in three dimensions"}},
+};
+
+const dl_scene_section dl_section_periods = {
+    .title = "PERIODIC",
+    .within = "periodic",
+    .doc =
+        "Axes along which every particle has copies at whole numbers of periods and acts by the\n"
+        "nearest one; the pair law's cutoff is at most half a period. Initial positions outside "
+        "are\n"
+        "moved by whole periods; trajectories are not.",
+    .key = {{"x", "[low, high]", "one period of x"},
+            {"y", "[low, high]", "one period of y"},
+            {"z", "[low, high]", "one period of z, in three dimensions"}},
 };
 
 static const dl_parameter time_rows[] = {
