@@ -4,7 +4,10 @@
  *
  *     /h5md                                    version 1.1, author, creator
  *     /particles/all/{position,velocity}       [frame][particle][3]
- *     /particles/all/mass                      [particle]
+ *     /particles/all/{mass,coupling,pinned,gravity}  [particle]; mass: inertia; pinned, gravity:
+ *                                              0 or 1
+ *     /particles/all/species                   [particle], where there are species: which of the
+ *                                              names in the group's attribute species_names
  *     /particles/all/box/edges                 [frame][3][3]
  *     /observables/{kinetic_energy, ...}       [frame]
  *     /parameters/{scene,source,scene_file,method,options}
@@ -140,9 +143,12 @@ static bool write_parameters(hid_t file, const dl_scene *scene, const char *meth
     return closed(group, H5Gclose, good);
 }
 
-static bool write_box(hid_t particles) {
-    static const char boundary[spatial][4] = {"none", "none", "none"};
+static bool write_box(hid_t particles, const dl_scene *scene) {
+    static const char words[2][8] = {"none", "periodic"}; /* of a fixed length */
     static const int dimension = spatial;
+    char boundary[spatial][sizeof words[0]];
+    for (int k = 0; k < spatial; k++)
+        memcpy(boundary[k], words[scene->periods.length[k] > 0], sizeof boundary[k]);
     const hid_t group = create_group(particles, "box"), type = string_type(sizeof boundary[0]);
     const bool good = group >= 0 &&
                       write_attribute(group, "dimension", H5T_NATIVE_INT, 0, &dimension) &&
@@ -150,19 +156,57 @@ static bool write_box(hid_t particles) {
     return closed(type, H5Tclose, closed(group, H5Gclose, good));
 }
 
-static bool write_masses(hid_t particles, const dl_scene *scene) {
-    const hsize_t count = scene->particles;
+/* A value a particle, as `stored` in the file and `given` in memory. */
+static bool write_values(hid_t particles, const char *name, size_t length, hid_t stored,
+                         hid_t given, const void *values) {
+    const hsize_t count = length;
     const hid_t space = H5Screate_simple(1, &count, NULL);
     const hid_t data =
-        H5Dcreate2(particles, "mass", H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-    const bool good = data >= 0 && H5Dwrite(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
-                                            scene->inertia) >= 0;
+        H5Dcreate2(particles, name, stored, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    const bool good =
+        data >= 0 && H5Dwrite(data, given, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
     return closed(space, H5Sclose, closed(data, H5Dclose, good));
+}
+
+static bool write_reals(hid_t particles, const char *name, size_t length, const double *values) {
+    return write_values(particles, name, length, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values);
+}
+
+static bool write_flags(hid_t particles, const char *name, size_t length, const bool *values) {
+    return write_values(particles, name, length, H5T_STD_U8LE, H5T_NATIVE_UCHAR, values);
+}
+
+static bool write_species(hid_t particles, const dl_scene *scene) {
+    size_t longest = 1;
+    for (size_t k = 0; k < scene->species; k++)
+        longest =
+            strlen(scene->species_name[k]) > longest ? strlen(scene->species_name[k]) : longest;
+    char *const names = calloc(scene->species, longest);
+    if (!names)
+        return false;
+    for (size_t k = 0; k < scene->species; k++)
+        memcpy(names + k * longest, scene->species_name[k], strlen(scene->species_name[k]));
+    const hid_t type = string_type(longest);
+    const bool good = write_attribute(particles, "species_names", type, scene->species, names) &&
+                      write_values(particles, "species", scene->particles, H5T_STD_I32LE,
+                                   H5T_NATIVE_INT, scene->species_of);
+    free(names);
+    return closed(type, H5Tclose, good);
+}
+
+/* What a scene needs that starts from this run. */
+static bool write_attributes(hid_t particles, const dl_scene *scene) {
+    const size_t n = scene->particles;
+    return write_reals(particles, "mass", n, scene->inertia) &&
+           write_flags(particles, "pinned", n, scene->pinned) &&
+           write_flags(particles, "gravity", n, scene->feels_gravity) &&
+           write_reals(particles, "coupling", n, scene->coupling) &&
+           (scene->species == 0 || write_species(particles, scene));
 }
 
 static bool write_particles(hid_t file, const dl_scene *scene) {
     const hid_t outer = create_group(file, "particles"), inner = create_group(outer, "all");
-    const bool good = inner >= 0 && write_box(inner) && write_masses(inner, scene);
+    const bool good = inner >= 0 && write_box(inner, scene) && write_attributes(inner, scene);
     return closed(outer, H5Gclose, closed(inner, H5Gclose, good));
 }
 
@@ -341,13 +385,17 @@ static void fill_rows(dl_trajectory *trajectory, const double *components) {
             trajectory->rows[spatial * i + k] = components[k * n + i];
 }
 
-/* A box for viewers: from wall to wall where there are both, else the extent of the particles, 1
- * where that is nothing (the z of two dimensions). Its boundaries are `none`: nothing wraps. */
+/* The period, or for viewers: from wall to wall where there are both, else the extent of the
+ * particles, 1 where that is nothing (the z of two dimensions). Positions are never wrapped. */
 static void box_edges(const dl_scene *scene, const double *positions, double edges[9]) {
     memset(edges, 0, 9 * sizeof *edges);
     for (size_t k = 0; k < spatial; k++) {
-        double length = scene->walls.high[k] - scene->walls.low[k];
-        if (k < (size_t)scene->dimension && !(scene->walls.present && isfinite(length))) {
+        const bool walled =
+            scene->walls.present && isfinite(scene->walls.high[k]) && isfinite(scene->walls.low[k]);
+        double length = scene->periods.length[k];
+        if (walled) {
+            length = scene->walls.high[k] - scene->walls.low[k];
+        } else if (k < (size_t)scene->dimension && length == 0) {
             double low = INFINITY, high = -INFINITY;
             for (size_t i = 0; i < scene->particles; i++) {
                 low = fmin(low, positions[k * scene->particles + i]);

@@ -1,123 +1,19 @@
-/* The last frame of an H5MD file, of driftlab's own or another program's: the first group of
- * /particles, its position/value and velocity/value [frame][particle][component]. */
+/* A frame of an H5MD file, of driftlab's own or another program's: the first group of /particles,
+ * its position/value and velocity/value [frame][particle][component], and its mass, coupling,
+ * pinned, gravity [particle] where it has them. */
 #include "driftlab/trajectory.h"
 
 #include <hdf5.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
+#include "io/h5md_file.h"
 
-typedef struct frames {
-    hid_t data;
-    hsize_t extent[3]; /* frames, particles, components */
-} frames;
-
-typedef struct reader {
-    const char *path;
-    const dl_scene *scene;
-    hid_t file, particles, group;
-} reader;
-
-static dl_status refuse(const reader *r, dl_error *error, const char *found, const char *expected) {
-    return dl_fail(error, DL_INPUT, "%s: found %s, expected %s", r->path, found, expected);
-}
-
-/* --- opening -------------------------------------------------------------------------------- */
-
-static dl_status open_file(reader *r, dl_error *error) {
-    FILE *readable = fopen(r->path, "rb");
-    if (!readable)
-        return dl_fail(error, DL_INPUT, "%s: cannot be read; expected an H5MD file", r->path);
-    fclose(readable);
-    r->file = H5Fopen(r->path, H5F_ACC_RDONLY, H5P_DEFAULT);
-    if (r->file < 0)
-        return refuse(r, error, "no HDF5 file", "an H5MD file");
-    if (H5Lexists(r->file, "h5md", H5P_DEFAULT) <= 0 ||
-        H5Lexists(r->file, "particles", H5P_DEFAULT) <= 0)
-        return refuse(r, error, "an HDF5 file without /h5md or /particles", "an H5MD file");
-    r->particles = H5Gopen2(r->file, "particles", H5P_DEFAULT);
-    char name[256];
-    if (r->particles < 0 || H5Lget_name_by_idx(r->particles, ".", H5_INDEX_NAME, H5_ITER_INC, 0,
-                                               name, sizeof name, H5P_DEFAULT) < 0)
-        return refuse(r, error, "/particles without a group", "an H5MD file with particles");
-    r->group = H5Gopen2(r->particles, name, H5P_DEFAULT);
-    return r->group >= 0 ? DL_OK
-                         : refuse(r, error, "/particles that cannot be read", "an H5MD file");
-}
-
-static void close_file(reader *r) {
-    if (r->group >= 0)
-        H5Gclose(r->group);
-    if (r->particles >= 0)
-        H5Gclose(r->particles);
-    if (r->file >= 0)
-        H5Fclose(r->file);
-}
-
-static bool open_frames(const reader *r, const char *name, frames *opened) {
-    opened->data = H5Dopen2(r->group, name, H5P_DEFAULT);
-    if (opened->data < 0)
-        return false;
-    const hid_t space = H5Dget_space(opened->data);
-    const bool good = H5Sget_simple_extent_ndims(space) == 3 &&
-                      H5Sget_simple_extent_dims(space, opened->extent, NULL) == 3;
-    H5Sclose(space);
-    return good;
-}
-
-static dl_status check_extent(const reader *r, const frames *opened, dl_error *error) {
-    const dl_scene *scene = r->scene;
-    const hsize_t *extent = opened->extent;
-    if (extent[0] == 0)
-        return refuse(r, error, "no frame", "a trajectory with at least one");
-    if (extent[1] == scene->particles && (extent[2] == 3 || extent[2] == (hsize_t)scene->dimension))
-        return DL_OK;
-    return dl_fail(error, DL_INPUT,
-                   "%s: found %llu particles of %llu components, expected the scene's %zu of %d "
-                   "(or 3)",
-                   r->path, (unsigned long long)extent[1], (unsigned long long)extent[2],
-                   scene->particles, scene->dimension);
-}
-
-/* --- reading -------------------------------------------------------------------------------- */
-
-/* The last frame as one component after the other, out [dimension * particles]. */
-static dl_status read_frame(const reader *r, const frames *opened, const char *name, double *out,
-                            dl_error *error) {
-    const size_t n = (size_t)opened->extent[1], width = (size_t)opened->extent[2];
-    const hsize_t start[3] = {opened->extent[0] - 1, 0, 0};
-    const hsize_t count[3] = {1, opened->extent[1], opened->extent[2]};
-    double *rows = malloc(n * width * sizeof *rows);
-    if (!rows)
-        return dl_fail_memory(error, "a frame of a trajectory");
-    const hid_t file_space = H5Dget_space(opened->data);
-    const hid_t memory_space = H5Screate_simple(3, count, NULL);
-    H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start, NULL, count, NULL);
-    const herr_t read =
-        H5Dread(opened->data, H5T_NATIVE_DOUBLE, memory_space, file_space, H5P_DEFAULT, rows);
-    H5Sclose(memory_space);
-    H5Sclose(file_space);
-    dl_status status = DL_OK;
-    if (read < 0)
-        status = dl_fail(error, DL_IO, "%s: %s cannot be read", r->path, name);
-    for (size_t i = 0; !status && i < n; i++)
-        for (size_t k = 0; !status && k < width; k++) {
-            const double value = rows[i * width + k];
-            const bool fits = k < (size_t)r->scene->dimension ? isfinite(value) : value == 0;
-            if (!fits)
-                status = dl_fail(error, DL_INPUT,
-                                 "%s: %s: particle %zu: found %.17g as component %zu, expected %s",
-                                 r->path, name, i, value, k,
-                                 isfinite(value) ? "0 for a scene in two dimensions"
-                                                 : "a finite number");
-            else if (k < (size_t)r->scene->dimension)
-                out[k * n + i] = value;
-        }
-    free(rows);
-    return status;
-}
+/* --- one frame ------------------------------------------------------------------------------ */
 
 /* H5MD allows one time a frame, or the interval between frames. */
-static double last_time(const reader *r, hsize_t count) {
+static double time_of(const dl_h5md_file *r, hsize_t number) {
     const hid_t data = H5Dopen2(r->group, "position/time", H5P_DEFAULT);
     if (data < 0)
         return NAN;
@@ -125,11 +21,11 @@ static double last_time(const reader *r, hsize_t count) {
     double time = NAN;
     if (H5Sget_simple_extent_ndims(space) == 0) {
         if (H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, &time) >= 0)
-            time *= (double)(count - 1);
+            time *= (double)number;
     } else {
-        const hsize_t start = count - 1, one = 1;
+        const hsize_t one = 1;
         const hid_t memory_space = H5Screate(H5S_SCALAR);
-        H5Sselect_hyperslab(space, H5S_SELECT_SET, &start, NULL, &one, NULL);
+        H5Sselect_hyperslab(space, H5S_SELECT_SET, &number, NULL, &one, NULL);
         if (H5Dread(data, H5T_NATIVE_DOUBLE, memory_space, space, H5P_DEFAULT, &time) < 0)
             time = NAN;
         H5Sclose(memory_space);
@@ -139,49 +35,238 @@ static double last_time(const reader *r, hsize_t count) {
     return time;
 }
 
-static dl_status read_state(const reader *r, double *y_all, double *time, dl_error *error) {
-    static const char *const names[] = {"position/value", "velocity/value"};
-    const size_t components = (size_t)r->scene->dimension * r->scene->particles;
-    hsize_t count = 0;
-    for (size_t part = 0; part < 2; part++) {
-        frames opened = {.data = H5I_INVALID_HID};
-        dl_status status = DL_OK;
-        if (!open_frames(r, names[part], &opened))
-            status = dl_fail(error, DL_INPUT,
-                             "%s: found no %s [frame][particle][component] in the first group of "
-                             "/particles",
-                             r->path, names[part]);
-        if (!status)
-            status = check_extent(r, &opened, error);
-        if (!status && part == 1 && opened.extent[0] != count)
-            status = refuse(r, error, "other numbers of frames for position and velocity",
-                            "one velocity for every position");
-        if (!status)
-            status = read_frame(r, &opened, names[part], y_all + part * components, error);
-        count = opened.extent[0];
-        if (opened.data >= 0)
-            H5Dclose(opened.data);
-        if (status)
-            return status;
+static dl_status read_vectors(const dl_h5md_file *r, const char *name, size_t number,
+                              dl_trajectory_frame *frame, double **out, dl_error *error) {
+    dl_h5md_vectors opened = {.data = H5I_INVALID_HID};
+    dl_status status = dl_h5md_open_vectors(r, name, &opened, error);
+    const bool first = frame->particles == 0;
+    if (!status && first) {
+        frame->frames = (size_t)opened.extent[0];
+        frame->particles = (size_t)opened.extent[1];
+        frame->components = (int)opened.extent[2];
+    } else if (!status &&
+               (frame->frames != opened.extent[0] || frame->particles != opened.extent[1])) {
+        status = dl_h5md_refuse(r, error,
+                                "other numbers of frames or particles for position and velocity",
+                                "one velocity for every position");
     }
-    *time = last_time(r, count);
+    if (!status && number != SIZE_MAX && number >= frame->frames)
+        status = dl_fail(error, DL_INPUT, "%s: found no frame %zu, expected one of 0 to %zu",
+                         r->path, number, frame->frames - 1);
+    if (!status) {
+        *out = calloc(DL_H5MD_SPATIAL * frame->particles, sizeof **out);
+        status = *out ? dl_h5md_read_vectors(r, &opened, name,
+                                             number == SIZE_MAX ? frame->frames - 1 : number, *out,
+                                             error)
+                      : dl_fail_memory(error, "a frame of a trajectory");
+    }
+    if (opened.data >= 0)
+        H5Dclose(opened.data);
+    return status;
+}
+
+/* --- what the particles are ----------------------------------------------------------------- */
+
+/* A value a particle; *values stays NULL where the file has none. */
+static dl_status read_values(const dl_h5md_file *r, const char *name, size_t count, hid_t type,
+                             size_t size, void **values, dl_error *error) {
+    if (H5Lexists(r->group, name, H5P_DEFAULT) <= 0)
+        return DL_OK;
+    const hid_t data = H5Dopen2(r->group, name, H5P_DEFAULT);
+    const hid_t space = data >= 0 ? H5Dget_space(data) : H5I_INVALID_HID;
+    bool good = space >= 0 && H5Sget_simple_extent_ndims(space) == 1 &&
+                H5Sget_simple_extent_npoints(space) == (hssize_t)count;
+    if (good) {
+        *values = calloc(count, size);
+        good = *values && H5Dread(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, *values) >= 0;
+    }
+    if (space >= 0)
+        H5Sclose(space);
+    if (data >= 0)
+        H5Dclose(data);
+    return good ? DL_OK
+                : dl_fail(error, DL_INPUT, "%s: %s cannot be read, expected a number a particle",
+                          r->path, name);
+}
+
+static dl_status read_reals(const dl_h5md_file *r, const char *name, size_t count, double **values,
+                            dl_error *error) {
+    void *read = NULL;
+    const dl_status status =
+        read_values(r, name, count, H5T_NATIVE_DOUBLE, sizeof **values, &read, error);
+    *values = read;
+    return status;
+}
+
+static dl_status read_flags(const dl_h5md_file *r, const char *name, size_t count, bool **values,
+                            dl_error *error) {
+    void *read = NULL;
+    const dl_status status = read_values(r, name, count, H5T_NATIVE_UCHAR, 1, &read, error);
+    const unsigned char *const byte = read;
+    *values = byte && !status ? calloc(count, sizeof **values) : NULL;
+    for (size_t i = 0; *values && i < count; i++)
+        (*values)[i] = byte[i] != 0;
+    const bool failed = byte && !status && !*values;
+    free(read);
+    return failed ? dl_fail_memory(error, name) : status;
+}
+
+/* The names of the species, of `width` bytes each with their end; NULL where there are none or they
+ * cannot be read. */
+static char *read_species_names(const dl_h5md_file *r, size_t *count, size_t *width) {
+    const hid_t attribute = H5Aexists(r->group, "species_names") > 0
+                                ? H5Aopen(r->group, "species_names", H5P_DEFAULT)
+                                : H5I_INVALID_HID;
+    if (attribute < 0)
+        return NULL;
+    const hid_t stored = H5Aget_type(attribute), space = H5Aget_space(attribute);
+    const hid_t type = H5Tcopy(H5T_C_S1);
+    *count = (size_t)H5Sget_simple_extent_npoints(space);
+    *width = H5Tget_size(stored) + 1;
+    H5Tset_size(type, *width);
+    char *names = H5Tget_class(stored) == H5T_STRING && H5Tis_variable_str(stored) == 0
+                      ? calloc(*count, *width)
+                      : NULL;
+    if (names && H5Aread(attribute, type, names) < 0) {
+        free(names);
+        names = NULL;
+    }
+    H5Tclose(type);
+    H5Tclose(stored);
+    H5Sclose(space);
+    H5Aclose(attribute);
+    return names;
+}
+
+/* Species without names (of another program) are passed over. */
+static dl_status read_species(const dl_h5md_file *r, dl_trajectory_frame *frame, dl_error *error) {
+    size_t count, width;
+    void *read = NULL;
+    frame->species_text = read_species_names(r, &count, &width);
+    if (!frame->species_text)
+        return DL_OK;
+    dl_status status =
+        read_values(r, "species", frame->particles, H5T_NATIVE_INT, sizeof(int), &read, error);
+    const int *const number = read;
+    if (!status && number) {
+        frame->species = calloc(frame->particles, sizeof *frame->species);
+        status = frame->species ? DL_OK : dl_fail_memory(error, "species");
+    }
+    for (size_t i = 0; number && i < frame->particles && !status; i++) {
+        if (number[i] < 0 || (size_t)number[i] >= count)
+            status = dl_fail(error, DL_INPUT,
+                             "%s: species: particle %zu: found %d, expected less "
+                             "than %zu",
+                             r->path, i, number[i], count);
+        else
+            frame->species[i] = frame->species_text + (size_t)number[i] * width;
+    }
+    free(read);
+    return status;
+}
+
+static dl_status read_attributes(const dl_h5md_file *r, dl_trajectory_frame *frame,
+                                 dl_error *error) {
+    const size_t n = frame->particles;
+    dl_status status = read_reals(r, "mass", n, &frame->inertia, error);
+    if (!status)
+        status = read_reals(r, "coupling", n, &frame->coupling, error);
+    if (!status)
+        status = read_flags(r, "pinned", n, &frame->pinned, error);
+    if (!status)
+        status = read_flags(r, "gravity", n, &frame->feels_gravity, error);
+    return status ? status : read_species(r, frame, error);
+}
+
+/* --- the whole ------------------------------------------------------------------------------ */
+
+void dl_trajectory_frame_free(dl_trajectory_frame *frame) {
+    free(frame->position);
+    free(frame->velocity);
+    free(frame->inertia);
+    free(frame->coupling);
+    free(frame->pinned);
+    free(frame->feels_gravity);
+    free(frame->species);
+    free(frame->species_text);
+    *frame = (dl_trajectory_frame){0};
+}
+
+dl_status dl_trajectory_read_frame(const char *path, size_t number, dl_trajectory_frame *frame,
+                                   dl_error *error) {
+    dl_h5md_file r = DL_H5MD_CLOSED(path);
+    *frame = (dl_trajectory_frame){0};
+    dl_status status = dl_h5md_open(&r, error);
+    if (!status)
+        status = read_vectors(&r, "position/value", number, frame, &frame->position, error);
+    if (!status)
+        status = read_vectors(&r, "velocity/value", number, frame, &frame->velocity, error);
+    if (!status)
+        status = read_attributes(&r, frame, error);
+    if (!status)
+        frame->time = time_of(&r, number == SIZE_MAX ? frame->frames - 1 : number);
+    dl_h5md_close(&r);
+    if (status)
+        dl_trajectory_frame_free(frame);
+    return status;
+}
+
+static dl_status check_particles(const char *path, const dl_scene *scene,
+                                 const dl_trajectory_frame *frame, dl_error *error) {
+    const size_t n = frame->particles;
+    if (n != scene->particles || frame->components < scene->dimension)
+        return dl_fail(error, DL_INPUT,
+                       "%s: found %zu particles of %d components, expected the scene's %zu of %d "
+                       "(or 3)",
+                       path, n, frame->components, scene->particles, scene->dimension);
+    for (size_t k = (size_t)scene->dimension * n; k < DL_H5MD_SPATIAL * n; k++)
+        if (frame->position[k] != 0 || frame->velocity[k] != 0)
+            return dl_fail(error, DL_INPUT,
+                           "%s: particle %zu: found a third component other than 0, expected 0 for "
+                           "a scene in two dimensions",
+                           path, k % n);
     return DL_OK;
 }
 
 dl_status dl_trajectory_read_last(const char *path, const dl_scene *scene, double **y_all,
                                   double *time, dl_error *error) {
-    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-    reader r = {path, scene, H5I_INVALID_HID, H5I_INVALID_HID, H5I_INVALID_HID};
-    *y_all = malloc(2 * (size_t)scene->dimension * scene->particles * sizeof **y_all);
-    if (!*y_all)
-        return dl_fail_memory(error, "a state of every particle");
-    dl_status status = open_file(&r, error);
-    if (!status)
-        status = read_state(&r, *y_all, time, error);
-    close_file(&r);
-    if (status) {
-        free(*y_all);
-        *y_all = NULL;
+    return dl_trajectory_read_state(path, SIZE_MAX, scene, y_all, time, error);
+}
+
+dl_status dl_trajectory_read_state(const char *path, size_t number, const dl_scene *scene,
+                                   double **y_all, double *time, dl_error *error) {
+    const size_t components = (size_t)scene->dimension * scene->particles;
+    dl_trajectory_frame frame;
+    *y_all = NULL;
+    dl_status status = dl_trajectory_read_frame(path, number, &frame, error);
+    if (status)
+        return status;
+    status = check_particles(path, scene, &frame, error);
+    if (!status) {
+        *y_all = malloc(2 * components * sizeof **y_all);
+        status = *y_all ? DL_OK : dl_fail_memory(error, "a state of every particle");
     }
+    if (!status) {
+        memcpy(*y_all, frame.position, components * sizeof **y_all);
+        memcpy(*y_all + components, frame.velocity, components * sizeof **y_all);
+        *time = frame.time;
+    }
+    dl_trajectory_frame_free(&frame);
+    return status;
+}
+
+/* --- the scene it is of ---------------------------------------------------------------------- */
+
+dl_status dl_trajectory_read_scene_text(const char *path, char **text, dl_error *error) {
+    dl_h5md_file r = DL_H5MD_CLOSED(path);
+    *text = NULL;
+    dl_status status = dl_h5md_open(&r, error);
+    if (!status) {
+        *text = dl_h5md_read_parameter(&r, "scene_file");
+        if (!*text)
+            status =
+                dl_h5md_refuse(&r, error, "no text of a scene", "a trajectory that driftlab wrote");
+    }
+    dl_h5md_close(&r);
     return status;
 }

@@ -60,6 +60,8 @@ static const dl_field case_fields[] = {
     SUMMARY(ULONG, factorisations),
     SUMMARY(ULONG, neighbour_list_builds),
     SUMMARY(ULONG, wall_hits),
+    SUMMARY(ULONG, contacts),
+    SUMMARY(ULONG, releases),
     SUMMARY(REAL, cpu_seconds),
     SUMMARY(REAL, energy_initial),
     SUMMARY(REAL, energy_final),

@@ -304,13 +304,23 @@ static dl_status parse(dl_yaml *yaml, dl_error *error) {
     return status;
 }
 
-dl_status dl_yaml_read(const char *path, dl_yaml **yaml_out, dl_error *error) {
+static dl_status copy_source(dl_yaml *yaml, const char *text, dl_error *error) {
+    yaml->source = strdup(text);
+    yaml->source_size = strlen(text);
+    return yaml->source ? DL_OK : dl_fail_memory(error, yaml->path);
+}
+
+/* `text` NULL: that of the file. */
+static dl_status read_or_parse(const char *path, const char *text, dl_yaml **yaml_out,
+                               dl_error *error) {
     *yaml_out = NULL;
     dl_yaml *const yaml = calloc(1, sizeof *yaml);
     if (!yaml)
         return dl_fail_memory(error, path);
     yaml->path = strdup(path);
-    dl_status status = yaml->path ? read_source(yaml, error) : dl_fail_memory(error, path);
+    dl_status status = !yaml->path ? dl_fail_memory(error, path)
+                       : text      ? copy_source(yaml, text, error)
+                                   : read_source(yaml, error);
     if (!status)
         status = parse(yaml, error);
     if (status)
@@ -318,6 +328,14 @@ dl_status dl_yaml_read(const char *path, dl_yaml **yaml_out, dl_error *error) {
     else
         *yaml_out = yaml;
     return status;
+}
+
+dl_status dl_yaml_read(const char *path, dl_yaml **yaml, dl_error *error) {
+    return read_or_parse(path, NULL, yaml, error);
+}
+
+dl_status dl_yaml_parse(const char *path, const char *text, dl_yaml **yaml, dl_error *error) {
+    return read_or_parse(path, text, yaml, error);
 }
 
 void dl_yaml_free(dl_yaml *yaml) {

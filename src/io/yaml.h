@@ -16,6 +16,8 @@ typedef enum dl_yaml_kind { DL_YAML_SCALAR, DL_YAML_LIST, DL_YAML_MAP } dl_yaml_
 /* A missing, unreadable or empty file, bad YAML (with line), several documents, a key given twice:
  * DL_INPUT. Anchors and aliases work; a document that contains itself is refused. */
 dl_status dl_yaml_read(const char *path, dl_yaml **yaml, dl_error *error);
+/* The same of a text; `path` is what messages call it. */
+dl_status dl_yaml_parse(const char *path, const char *text, dl_yaml **yaml, dl_error *error);
 void dl_yaml_free(dl_yaml *yaml);
 
 const char *dl_yaml_path(const dl_yaml *yaml);

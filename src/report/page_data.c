@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "report/page.h"
 #include "version.h"
 
 /* One object or array under construction; `failed` once anything could not be added. */
@@ -265,28 +266,6 @@ static json_t *all_facts(builder *build) {
     return facts;
 }
 
-/* `<` stands only inside JSON's strings, where \u003c means the same: no </script>, no <!--. */
-static char *without_angle(const char *json) {
-    static const char escape[] = "\\u003c";
-    size_t angles = 0;
-    for (const char *c = json; *c; c++)
-        angles += *c == '<';
-    char *safe = malloc(strlen(json) + angles * (sizeof escape - 2) + 1);
-    if (!safe)
-        return NULL;
-    char *to = safe;
-    for (const char *c = json; *c; c++) {
-        if (*c == '<') {
-            memcpy(to, escape, sizeof escape - 1);
-            to += sizeof escape - 1;
-        } else {
-            *to++ = *c;
-        }
-    }
-    *to = '\0';
-    return safe;
-}
-
 dl_status dl_page_data(const dl_results *results, char **json, dl_error *error) {
     static const named_text texts[] = {
         {"study", offsetof(dl_results, study)},       {"title", offsetof(dl_results, title)},
@@ -307,7 +286,7 @@ dl_status dl_page_data(const dl_results *results, char **json, dl_error *error) 
 
     char *dumped = build.failed ? NULL : json_dumps(root, JSON_COMPACT);
     if (dumped)
-        *json = without_angle(dumped);
+        *json = dl_page_json(dumped);
     free(dumped);
     json_decref(root);
     return *json ? DL_OK : dl_fail_memory(error, "the report's data");

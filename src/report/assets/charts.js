@@ -1,5 +1,7 @@
 /* Charts: looks of the lines, logarithmic axes, marks, legends. */
 
+Chart.defaults.font.family = "system-ui, 'Liberation Sans', Arial, sans-serif";
+
 /* Okabe and Ito's colours (https://jfly.uni-koeln.de/color/), which colour-blind readers tell
  * apart, with a wine red in place of the yellow that white paper swallows. */
 const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000",

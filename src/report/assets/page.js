@@ -3,12 +3,6 @@
 const results = JSON.parse(document.getElementById("results").textContent);
 const page = document.getElementById("page");
 
-const element = (tag, properties, ...children) => {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children.flat().filter(child => child !== null && child !== undefined));
-  return made;
-};
-
 const strong = text => element("strong", {}, text);
 const folded = (summary, ...children) =>
   element("details", {}, element("summary", {}, summary), ...children);
@@ -288,9 +282,6 @@ const timePlan = (scene, metric, lines, hidden) => {
   };
 };
 
-const optionList = (choices, chosen) =>
-  choices.map(([value, text]) => element("option", {value, selected: value === chosen}, text));
-
 /* For each line the case that is shown, as a list to choose from. */
 const casePickers = (scene, picked, change) => {
   const grid = element("div", {className: "pickers"});
@@ -552,10 +543,10 @@ const scenes = results.scenes.map((scene, index) => {
           lines: lines.filter(line => present.has(line))};
 });
 
-Chart.defaults.font.family = "system-ui, 'Liberation Sans', Arial, sans-serif";
 writeQuestion();
 writeAnswer();
 scenes.forEach(writeScene);
+writePlayers(page);
 writeProvenance();
 writeCommands();
 document.body.dataset.ready = "true";

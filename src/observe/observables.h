@@ -1,0 +1,41 @@
+/* The inside of an observation, for the measuring functions of the registry. */
+#ifndef DL_OBSERVE_OBSERVABLES_H
+#define DL_OBSERVE_OBSERVABLES_H
+
+#include "driftlab/observe.h"
+
+/* Particles of one mass. */
+typedef struct dl_mass_class {
+    double mass;
+    double particles;
+    dl_state_threshold threshold; /* set where the states are observed */
+} dl_mass_class;
+
+/* All that measuring one frame takes. */
+typedef struct dl_measuring {
+    const dl_scene *scene;
+    dl_model *model;
+    dl_observe_options options;
+    dl_bins bins;
+    size_t classes;
+    dl_mass_class *mass_class; /* [classes], masses descending */
+    size_t *class_of;          /* [particles]; not set for pinned ones */
+    dl_thermometer *measured;  /* by options.temperature; NULL: not observed */
+    dl_thermometer *state;     /* by the program's rule, for Table IV */
+    double *work;              /* [4 * particles, or of bins] */
+    const double *y_all;       /* of the frame */
+} dl_measuring;
+
+/* One frame's values, out [rows][columns]. */
+typedef dl_status dl_measure(dl_measuring *m, double *out, dl_error *error);
+
+typedef struct dl_observable_entry {
+    dl_observable row;
+    dl_measure *measure;
+    /* DL_INPUT, with why, where the scene has no such thing; NULL: every scene has. */
+    dl_status (*applies)(dl_measuring *m, dl_error *error);
+} dl_observable_entry;
+
+const dl_observable_entry *dl_observable_entry_at(size_t index);
+
+#endif

@@ -1,0 +1,230 @@
+#!/bin/bash
+# Players in a real browser: every particle is drawn in its place, the film plays, stops, steps and
+# is scrubbed, colours change, nothing throws, nothing is wider than the window.
+#
+#     test_player_browser.sh DRIFTLAB
+set -euo pipefail
+
+program=$1
+chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
+if [ -z "$chromium" ]; then
+    echo "SKIPPED: chromium is not installed (Debian: apt install chromium)"
+    exit 77
+fi
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+fail() {
+    echo "FAIL: $*" >&2
+    exit 1
+}
+
+# Three particles of TR299's masses, far apart: they fly straight. One leaves the others behind.
+cat > "$work/three.yaml" <<'SCENE'
+name: three
+dimension: 2
+particles:
+  - {at: [0, 0], velocity: [0, 5], mass: 2000}
+  - {at: [10, 0], velocity: [0, 200], mass: 6000}
+  - {at: [0, 10], velocity: [20, 0], mass: 10000}
+walls: {x: [-2, 12], y: [-2, none], damping: 0, rule: mirror}
+time: {step: 1.0e-3, end: 0.4}
+SCENE
+# Thirty-six of one mass, which has no states, in three dimensions and without walls.
+cat > "$work/cloud.yaml" <<'SCENE'
+name: cloud
+dimension: 3
+seed: 7
+particles:
+  - {random: {count: 36, in: [[0, 4], [0, 4], [0, 4]], minimum_distance: 0.5}, speed: 1, mass: 1}
+pair_law:
+  - {terms: [{coefficient: 1.0e-2, power: 4}]}
+time: {step: 1.0e-2, end: 0.5}
+SCENE
+for name in three cloud; do
+    "$program" run "$work/$name.yaml" --method leapfrog --sample 0.01 --out "$work/$name.h5" > "$work/log" ||
+        fail "no run: $(cat "$work/log")"
+    "$program" picture "$work/$name.h5" --out "$work/$name.html" > /dev/null || fail "$name: no page"
+done
+
+browse() { # HTML OPTION...
+    local page=$1
+    shift
+    timeout 120 "$chromium" --headless --no-sandbox --disable-gpu --no-first-run \
+        --disable-background-networking --disable-component-update --disable-sync \
+        --disable-dev-shm-usage --hide-scrollbars --user-data-dir="$work/profile" \
+        --virtual-time-budget=20000 --window-size=1280,900 "$@" "file://$page" 2> "$work/log"
+}
+
+# Uses the controls as a reader would and tells the frame around it what it saw.
+cat > "$work/probe.js" <<'PROBE'
+addEventListener("load", () => {
+  const seen = {};
+  const one = selector => document.querySelector(selector);
+  const film = one(".film"), scrub = one(".transport input"), play = one(".play");
+  const choose = (name, value) => {
+    const label = [...document.querySelectorAll(".controls label")]
+      .find(candidate => candidate.textContent.startsWith(name));
+    const list = label && label.querySelector("select");
+    if (!list || ![...list.options].some(option => option.value === value)) return 0;
+    list.value = value;
+    list.dispatchEvent(new Event("change"));
+    return 1;
+  };
+  const press = (key, target = document.body) =>
+    target.dispatchEvent(new KeyboardEvent("keydown", {key, bubbles: true, cancelable: true}));
+  const frame = () => Number(film.dataset.frame);
+  const goTo = number => {
+    scrub.value = number;
+    scrub.dispatchEvent(new Event("input"));
+  };
+  /* A clock of our own: whether the film runs must not hang on how fast this machine is. */
+  let clock = 1000, due = [];
+  window.requestAnimationFrame = draw => due.push(draw);
+  const wait = time => {
+    for (const end = clock + time; clock < end; clock += 20) {
+      const now = due;
+      due = [];
+      for (const draw of now) draw(clock);
+    }
+  };
+  const pixels = () => film.getContext("2d").getImageData(0, 0, film.width, film.height).data;
+  const coloured = () => {
+    const data = pixels();
+    let found = 0;
+    for (let i = 0; i < data.length; i += 4)
+      if (Math.max(data[i], data[i + 1], data[i + 2])
+          - Math.min(data[i], data[i + 1], data[i + 2]) > 60) found++;
+    return found;
+  };
+  const dark = () => {
+    const data = pixels();
+    let found = 0;
+    for (let i = 0; i < data.length; i += 4) if (data[i] + data[i + 1] + data[i + 2] < 200) found++;
+    return found;
+  };
+  try {
+    seen.players = document.querySelectorAll(".player").length;
+    seen.drawn = film.dataset.drawn;
+    seen.start = frame();
+    seen.last = Number(scrub.max);
+    choose("Window", "all");
+    goTo(2);
+    seen.scrubbed = frame();
+    press("ArrowRight");
+    seen.right = frame();
+    press("ArrowLeft");
+    press("ArrowLeft");
+    seen.left = frame();
+    press("End");
+    seen.end = frame();
+    seen.drawnAtEnd = film.dataset.drawn;
+    press("Home");
+    seen.home = frame();
+    seen.hasStates = choose("Colour", "state");
+    choose("Colour", "mass");
+    seen.grey = coloured() === 0 ? 1 : 0;
+    const bare = dark();
+    choose("Colour", "speed");
+    seen.colourful = coloured() > 50 ? 1 : 0;
+    choose("Colour", "mass");
+    const box = one(".controls input[type=checkbox]");
+    box.click();
+    seen.arrows = dark() !== bare ? 1 : 0;
+    box.click();
+    choose("Speed", "1");
+    press(" ");
+    seen.playing = play.textContent === "Pause" ? 1 : 0;
+    wait(400);
+    press(" ");
+    seen.advanced = frame() > 0 ? 1 : 0;
+    seen.paused = play.textContent === "Play" ? 1 : 0;
+    const stopped = frame();
+    wait(200);
+    seen.stays = frame() === stopped ? 1 : 0;
+    play.click();
+    wait(9000);
+    seen.playedToEnd = frame() === seen.last && play.textContent === "Play" ? 1 : 0;
+    const chart = one("canvas[data-chart=player-energy]");
+    if (chart) {
+      const {left, top} = chart.getBoundingClientRect();
+      const {scales: {x}} = Chart.getChart(chart);
+      const place = x.getPixelForValue((x.min + x.max) / 2);
+      chart.dispatchEvent(new PointerEvent("pointerdown",
+                                           {clientX: left + place, clientY: top + 50}));
+      seen.sought = Math.abs(frame() - seen.last / 2) <= 1 ? 1 : 0;
+      const line = one(".cursor").getBoundingClientRect();
+      seen.cursor = Math.abs(line.left + 1 - left - place) < 12 ? 1 : 0;
+    }
+    seen.told = one(".told").textContent.includes(`frame ${frame() + 1} of`) ? 1 : 0;
+    seen.planes = choose("Plane", "yz");
+    seen.wide = document.documentElement.scrollWidth > innerWidth ? 1 : 0;
+    seen.unnamed = [...document.querySelectorAll("button, .transport input")].filter(
+      control => !control.textContent && !control.getAttribute("aria-label")).length;
+    seen.width = innerWidth;
+  } catch (failure) {
+    document.body.dataset.errors = failure.message;
+  }
+  const {ready, errors} = document.body.dataset;
+  const told = Object.entries(seen).map(pair => pair.join("=")).join(" ");
+  parent.postMessage(errors ? "error: " + errors : ready ? told : "not drawn to its end", "*");
+});
+PROBE
+
+look() { # NAME WIDTH: sets `found` to what the probe saw
+    local frame=$work/frame.html
+    { sed '/^<\/body>$/,$d' "$work/$1.html"; echo "<script>"; cat "$work/probe.js"
+      echo "</script></body></html>"; } > "$work/probed.html"
+    cat > "$frame" <<FRAME
+<!DOCTYPE html><title>nothing seen</title>
+<script>addEventListener("message", event => { document.title = "seen: " + event.data; });</script>
+<iframe src="probed.html" style="width: $2px; height: 900px; border: 0"></iframe>
+FRAME
+    browse "$frame" --dump-dom > "$work/dom" || fail "$1: no browser: $(tail -3 "$work/log")"
+    found=$(sed -n 's/.*<title>\(.*\)<\/title>.*/\1/p' "$work/dom")
+    echo "$1 at $2 px: $found"
+    [[ $found == "seen: players="* ]] || fail "$1 at $2 px: $found"
+}
+
+expect() { # KEY=VALUE ...
+    local pair
+    for pair in "$@"; do
+        [[ " $found " == *" $pair "* ]] || fail "expected $pair in: $found"
+    done
+}
+
+for width in 1280 400; do
+    look three $width
+    expect players=1 drawn=3 drawnAtEnd=3 start=0 last=40 scrubbed=2 right=3 left=1 end=40 home=0 \
+        hasStates=1 planes=0 grey=1 colourful=1 arrows=1 playing=1 advanced=1 paused=1 stays=1 \
+        playedToEnd=1 told=1 wide=0 unnamed=0 width=$width
+    look cloud $width
+    expect players=1 drawn=36 drawnAtEnd=36 last=50 scrubbed=2 right=3 left=1 end=50 hasStates=0 \
+        planes=1 grey=1 colourful=1 arrows=1 playing=1 advanced=1 paused=1 stays=1 playedToEnd=1 \
+        sought=1 cursor=1 told=1 wide=0 unnamed=0 width=$width
+done
+
+# The same players within a report.
+cat > "$work/study.yaml" <<'STUDY'
+name: short
+scene: cloud.yaml
+end: 0.1
+error: 1.0e-3
+samples: 5
+reference:
+  method: composition-8-kahan-li
+  set: {step: 0.005}
+  check: {method: composition-6-kahan-li, set: {step: 0.005}}
+cases:
+  - {method: leapfrog, step: [0.01]}
+STUDY
+if "$program" study "$work/study.yaml" --out "$work/results.h5" > "$work/log" 2>&1; then
+    "$program" report "$work/results.h5" --out "$work/report.html" --trajectory "$work/cloud.h5" \
+        --trajectory "$work/three.h5" > /dev/null || fail "no report with players"
+    look report 1280
+    expect players=2 drawn=36 scrubbed=2 wide=0
+else
+    fail "no study: $(tail -3 "$work/log")"
+fi
+echo "ok"
