@@ -22,8 +22,8 @@ static dl_status unknown_option(const cli_command *command, const char *name, dl
     size_t count = 0;
     for (size_t i = 0; i < command->options.count; i++)
         names[count++] = command->options.rows[i].name;
-    if (command->settings)
-        names[count++] = "set";
+    if (command->repeated)
+        names[count++] = command->repeated->name;
     names[count++] = "help";
     names[count] = NULL;
     const char *closest = dl_closest_word(names, name);
@@ -49,20 +49,23 @@ static dl_status option_value(reader *r, const char *name, const char *equals, c
     return DL_OK;
 }
 
-static dl_status add_setting(reader *r, const char *equals, dl_error *error) {
+static dl_status add_repeated(reader *r, const char *equals, dl_error *error) {
+    const cli_repeated *const option = r->command->repeated;
     const char *value = NULL;
-    const dl_status status = option_value(r, "set", equals, &value, error);
+    const dl_status status = option_value(r, option->name, equals, &value, error);
     if (status)
         return status;
     const char *sign = strchr(value, '=');
-    if (!sign || sign == value)
-        return dl_fail(error, DL_INPUT, "--set: found \"%s\", expected KEY=VALUE", value);
-    if (r->input->settings == CLI_MAX_SETTINGS)
-        return dl_fail(error, DL_INPUT, "--set: found more than %d of them", CLI_MAX_SETTINGS);
+    if (option->assigns && (!sign || sign == value))
+        return dl_fail(error, DL_INPUT, "--%s: found \"%s\", expected KEY=VALUE", option->name,
+                       value);
+    if (r->input->repeats == CLI_MAX_REPEATED)
+        return dl_fail(error, DL_INPUT, "--%s: found more than %d of them", option->name,
+                       CLI_MAX_REPEATED);
     char *copy = strdup(value);
     if (!copy)
         return dl_fail_memory(error, "a command line");
-    r->input->setting[r->input->settings++] = copy;
+    r->input->repeated[r->input->repeats++] = copy;
     return DL_OK;
 }
 
@@ -78,6 +81,7 @@ static dl_status set_option(reader *r, const dl_parameter *row, const char *equa
         return status;
     dl_error reason = {""};
     status = dl_parameter_set(row, r->input->values, value, &reason);
+    r->input->given[row - r->command->options.rows] = true;
     return status ? dl_fail(error, status, "--%s", reason.message) : DL_OK;
 }
 
@@ -89,8 +93,8 @@ static dl_status read_option(reader *r, const char *text, dl_error *error) {
         return dl_fail(error, DL_INPUT, "unknown option --%.60s...", text);
     memcpy(name, text, length);
     name[length] = '\0';
-    if (r->command->settings && strcmp(name, "set") == 0)
-        return add_setting(r, equals, error);
+    if (r->command->repeated && strcmp(name, r->command->repeated->name) == 0)
+        return add_repeated(r, equals, error);
     const dl_parameter *row = dl_parameter_find(r->command->options, name);
     return row ? set_option(r, row, equals, error) : unknown_option(r->command, name, error);
 }
@@ -132,10 +136,14 @@ dl_status cli_input_read(const cli_command *command, int count, char **words, cl
     return status;
 }
 
+bool cli_input_gives(const cli_command *command, const cli_input *input, const char *option) {
+    return input->given[dl_parameter_find(command->options, option) - command->options.rows];
+}
+
 void cli_input_release(const cli_command *command, cli_input *input) {
     if (input->values)
         dl_parameter_release(command->options, input->values);
     free(input->values);
-    for (size_t i = 0; i < input->settings; i++)
-        free(input->setting[i]);
+    for (size_t i = 0; i < input->repeats; i++)
+        free(input->repeated[i]);
 }

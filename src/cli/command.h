@@ -19,17 +19,25 @@ typedef enum cli_exit {
 } cli_exit;
 
 #define CLI_MAX_WORDS    4
-#define CLI_MAX_SETTINGS 64
+#define CLI_MAX_REPEATED 64
+#define CLI_MAX_OPTIONS  32
 
 /* What a command line said. */
 typedef struct cli_input {
     void *values;                    /* the structure that the command's table describes */
+    bool given[CLI_MAX_OPTIONS];     /* rows of the table that stand on the line */
     const char *word[CLI_MAX_WORDS]; /* arguments that are no options; NULL where not given */
     size_t words;
-    char *setting[CLI_MAX_SETTINGS]; /* of --set, "key=value" */
-    size_t settings;
+    char *repeated[CLI_MAX_REPEATED]; /* values of the option that may be repeated */
+    size_t repeats;
     const char *line; /* the whole command line, for the metadata of results */
 } cli_input;
+
+/* An option that may be given again and again. */
+typedef struct cli_repeated {
+    const char *name, *unit, *doc;
+    bool assigns; /* values have the form KEY=VALUE */
+} cli_repeated;
 
 typedef struct cli_command {
     const char *name;
@@ -37,19 +45,23 @@ typedef struct cli_command {
     const char *summary;   /* one line */
     const char *details;   /* more for --help; may be NULL */
     size_t least_words, most_words;
-    bool settings; /* takes --set KEY=VALUE, again and again */
+    const cli_repeated *repeated; /* NULL: there is none */
     dl_parameter_table options;
     size_t values_size;
     cli_exit (*run)(const cli_input *input);
 } cli_command;
 
 extern const cli_command cli_command_run, cli_command_study, cli_command_report,
-    cli_command_explain, cli_command_list, cli_command_help;
+    cli_command_explain, cli_command_observe, cli_command_paper, cli_command_picture,
+    cli_command_list, cli_command_help;
 
 /* All of them, NULL-terminated. */
 extern const cli_command *const cli_commands[];
 
 const cli_command *cli_command_find(const char *name);
+
+/* Whether the option stands on the line, with its default or another value. */
+bool cli_input_gives(const cli_command *command, const cli_input *input, const char *option);
 
 #define CLI_TABLE(array)                                                                           \
     { .rows = (array), .count = sizeof(array) / sizeof *(array) }

@@ -6,6 +6,7 @@
 #include "cli/help.h"
 #include "cli/outcome.h"
 #include "cli/terminal.h"
+#include "driftlab/paper.h"
 #include "driftlab/scene.h"
 #include "driftlab/study.h"
 
@@ -14,7 +15,8 @@ typedef struct topic {
     void (*print)(FILE *out);
 } topic;
 
-static const topic topics[] = {{"scene", dl_scene_help}, {"study", dl_study_help}};
+static const topic topics[] = {
+    {"scene", dl_scene_help}, {"study", dl_study_help}, {"paper", dl_paper_help}};
 static const size_t topic_count = sizeof topics / sizeof *topics;
 
 static cli_exit help_method(const char *name) {

@@ -7,6 +7,7 @@
 #include "cli/json.h"
 #include "cli/outcome.h"
 #include "driftlab/method.h"
+#include "driftlab/observe.h"
 #include "force/kernel.h"
 
 typedef struct list_values {
@@ -86,13 +87,13 @@ static size_t kernels(named *list) {
 }
 
 static void print_kernels(FILE *out) {
-    named list[8];
+    named list[8] = {{NULL, NULL}};
     const size_t count = kernels(list);
     print_named(list, count, out);
 }
 
 static json_t *kernels_json(void) {
-    named list[8];
+    named list[8] = {{NULL, NULL}};
     const size_t count = kernels(list);
     return named_json(list, count);
 }
@@ -117,14 +118,33 @@ static size_t statuses(named *list) {
 }
 
 static void print_statuses(FILE *out) {
-    named list[16];
+    named list[16] = {{NULL, NULL}};
     const size_t count = statuses(list);
     print_named(list, count, out);
 }
 
 static json_t *statuses_json(void) {
-    named list[16];
+    named list[16] = {{NULL, NULL}};
     const size_t count = statuses(list);
+    return named_json(list, count);
+}
+
+static size_t observables(named *list) {
+    const size_t count = dl_observable_count();
+    for (size_t i = 0; i < count; i++)
+        list[i] = (named){dl_observable_at(i)->name, dl_observable_at(i)->doc};
+    return count;
+}
+
+static void print_observables(FILE *out) {
+    named list[16] = {{NULL, NULL}};
+    const size_t count = observables(list);
+    print_named(list, count, out);
+}
+
+static json_t *observables_json(void) {
+    named list[16] = {{NULL, NULL}};
+    const size_t count = observables(list);
     return named_json(list, count);
 }
 
@@ -138,10 +158,11 @@ static const struct {
     {"methods", print_methods, methods_json},
     {"kernels", print_kernels, kernels_json},
     {"statuses", print_statuses, statuses_json},
+    {"observables", print_observables, observables_json},
 };
 
 static cli_exit list_command(const cli_input *input) {
-    static const char *const names[] = {"methods", "kernels", "statuses", NULL};
+    static const char *const names[] = {"methods", "kernels", "statuses", "observables", NULL};
     const list_values *values = input->values;
     const char *name = input->word[0];
     dl_error error = {""};
@@ -155,9 +176,10 @@ static cli_exit list_command(const cli_input *input) {
     }
     const char *closest = dl_closest_word(names, name);
     dl_fail(&error, DL_INPUT,
-            closest ? "list: found \"%s\", expected methods, kernels or statuses; did you mean "
+            closest ? "list: found \"%s\", expected methods, kernels, statuses or observables; did "
+                      "you mean "
                       "\"%s\"?"
-                    : "list: found \"%s\", expected methods, kernels or statuses",
+                    : "list: found \"%s\", expected methods, kernels, statuses or observables",
             name, closest);
     return cli_finish(DL_INPUT, &error);
 }
@@ -165,7 +187,8 @@ static cli_exit list_command(const cli_input *input) {
 const cli_command cli_command_list = {
     .name = "list",
     .arguments = "WHAT",
-    .summary = "methods | kernels | statuses: what there is, with properties and options",
+    .summary =
+        "methods | kernels | statuses | observables: what there is, with properties and options",
     .least_words = 1,
     .most_words = 1,
     .options = CLI_TABLE(options),

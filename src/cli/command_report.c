@@ -28,13 +28,17 @@ static cli_exit report(const cli_input *input) {
     dl_status status = page ? dl_results_read(input->word[0], &results, &error)
                             : dl_fail_memory(&error, "a file name");
     if (!status)
-        status = dl_report_write(results, page, &error);
+        status = dl_report_write_with_players(results, (const char *const *)input->repeated,
+                                              input->repeats, page, &error);
     if (!status)
         printf("report: %s\n", page);
     dl_results_free(results);
     free(beside);
     return cli_finish(status, &error);
 }
+
+static const cli_repeated trajectory = {
+    "trajectory", "RUN.h5", "a trajectory of driftlab run --out, to be played in the page", false};
 
 const cli_command cli_command_report = {
     .name = "report",
@@ -43,6 +47,7 @@ const cli_command cli_command_report = {
     .least_words = 1,
     .most_words = 1,
     .options = CLI_TABLE(options),
+    .repeated = &trajectory,
     .values_size = sizeof(report_values),
     .run = report,
 };

@@ -20,7 +20,7 @@ void cli_help_program(FILE *out) {
           "usage: driftlab COMMAND ...\n\n",
           out);
     for (const cli_command *const *command = cli_commands; *command; command++)
-        fprintf(out, "  %-8s %-16s %s\n", (*command)->name, (*command)->arguments,
+        fprintf(out, "  %-8s %-24s %s\n", (*command)->name, (*command)->arguments,
                 (*command)->summary);
     fputs("\n"
           "  driftlab COMMAND --help    options of a command\n"
@@ -40,7 +40,8 @@ static void print_option(const dl_parameter *row, FILE *out) {
 }
 
 void cli_help_command(const cli_command *command, FILE *out) {
-    const bool options = command->options.count || command->settings;
+    char form[64];
+    const bool options = command->options.count || command->repeated;
     fprintf(out, "usage: driftlab %s %s%s\n\n%s\n", command->name, command->arguments,
             options ? " [OPTION ...]" : "", command->summary);
     if (command->details)
@@ -49,8 +50,10 @@ void cli_help_command(const cli_command *command, FILE *out) {
         fputs("\noptions\n", out);
     for (size_t i = 0; i < command->options.count; i++)
         print_option(&command->options.rows[i], out);
-    if (command->settings)
-        fprintf(out, "  %-24s %s\n", "--set KEY=VALUE", "an option of the method; may be repeated");
+    if (command->repeated) {
+        snprintf(form, sizeof form, "--%s %s", command->repeated->name, command->repeated->unit);
+        fprintf(out, "  %-24s %s; may be repeated\n", form, command->repeated->doc);
+    }
 }
 
 void cli_help_method(const dl_method_row *row, FILE *out) {

@@ -36,6 +36,8 @@ uint64_t dl_scene_hash(const dl_scene *scene) {
     hash = hash_bytes(hash, scene->velocity, vector);
     hash = hash_bytes(hash, scene->inertia, n * sizeof *scene->inertia);
     hash = hash_bytes(hash, scene->coupling, n * sizeof *scene->coupling);
+    if (scene->species > 0) /* a data file may tell them */
+        hash = hash_bytes(hash, scene->species_of, n * sizeof *scene->species_of);
     hash = hash_bytes(hash, scene->feels_gravity, n * sizeof *scene->feels_gravity);
     return hash_bytes(hash, scene->pinned, n * sizeof *scene->pinned);
 }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "observe/schedule.h"
+#include "study/jumps.h"
 #include "study/plan.h"
 
 void dl_study_run_of_release(dl_study_run_of *run) {
@@ -34,6 +35,7 @@ static dl_status try_start(const dl_study_scene *on, const dl_study_run_of *run,
     dl_model *model = NULL;
     dl_method *method = NULL;
     dl_schedule schedule;
+    dl_jumps jumps;
     dl_status status = dl_model_create(on->scene, &model, error);
     if (status != DL_OK)
         return status;
@@ -44,9 +46,11 @@ static dl_status try_start(const dl_study_scene *on, const dl_study_run_of *run,
         dl_model_initial_state(model, y);
         status = dl_method_create(run->row, model, run->options, y, &method, error);
     }
-    if (status == DL_OK)
+    if (status == DL_OK) {
         status = dl_schedule_create(on->end, on->sample, method->step, &schedule, error);
-    else if (status != DL_INPUT && status != DL_MEMORY)
+        if (status == DL_OK)
+            status = dl_jumps_create(on->scene, method->step, &jumps, error);
+    } else if (status != DL_INPUT && status != DL_MEMORY)
         status = DL_OK; /* not the study file's fault: the case will tell */
     if (method)
         dl_method_destroy(method);

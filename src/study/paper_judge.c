@@ -1,0 +1,72 @@
+/* The verdict, by the rule that the claim states and nothing else. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "study/paper_plan.h"
+
+const char *dl_verdict_name(dl_verdict verdict) {
+    static const char *const names[] = {
+        [DL_AGREES] = "agrees", [DL_DIFFERS] = "differs", [DL_NOT_COMPUTABLE] = "not computable"};
+    return names[verdict];
+}
+
+/* Unit of the last digit of a number as it is printed: 0.001 of "20.467", 0.01 of ".50". */
+static double last_digit(const char *text) {
+    const char *const point = strchr(text, '.');
+    const char *const power = strpbrk(text, "eE");
+    const size_t decimals = point ? strspn(point + 1, "0123456789") : 0;
+    return pow(10, (power ? strtod(power + 1, NULL) : 0) - (double)decimals);
+}
+
+dl_status dl_paper_claim_prepare(dl_paper_claim *claim, dl_error *error) {
+    char *end;
+    claim->value = strtod(claim->published, &end);
+    if (end == claim->published || *end || !isfinite(claim->value))
+        return dl_fail(error, DL_INPUT, "published: found \"%s\", expected a number",
+                       claim->published);
+    if ((claim->digit > 0) + (claim->about > 0) + (isfinite(claim->within)) > 1)
+        return dl_fail(error, DL_INPUT,
+                       "digit, about, within: found more than one of them, expected one");
+    if (claim->about > 0)
+        claim->tolerance = claim->about * fabs(claim->value);
+    else if (isfinite(claim->within))
+        claim->tolerance = claim->within;
+    else
+        claim->tolerance = 0.5 * (claim->digit > 0 ? claim->digit : last_digit(claim->published));
+    return DL_OK;
+}
+
+static void write_rule(const dl_paper_claim *claim, char *text, size_t size) {
+    if (claim->rule == DL_RULE_AT_LEAST)
+        snprintf(text, size, "at least what is printed");
+    else if (claim->rule == DL_RULE_AT_MOST)
+        snprintf(text, size, "at most what is printed");
+    else if (claim->about > 0)
+        snprintf(text, size, "\"about\": within %.3g %%", 100 * claim->about);
+    else if (isfinite(claim->within))
+        snprintf(text, size, "within %.3g", claim->within);
+    else
+        snprintf(text, size, "half a unit of the last digit: %.3g", claim->tolerance);
+}
+
+/* A difference that is the tolerance but for roundoff is within it. */
+static bool holds(const dl_paper_claim *claim, double difference) {
+    const double slack = 1e-9 * fmax(fabs(claim->value), claim->tolerance);
+    if (claim->rule == DL_RULE_AT_LEAST)
+        return difference >= -slack;
+    if (claim->rule == DL_RULE_AT_MOST)
+        return difference <= slack;
+    return fabs(difference) <= claim->tolerance + slack;
+}
+
+void dl_paper_judge(const dl_paper_claim *claim, dl_paper_row *row) {
+    write_rule(claim, row->rule, sizeof row->rule);
+    row->difference = row->value - claim->value;
+    row->tolerance = claim->tolerance;
+    if (!isfinite(row->value))
+        row->verdict = DL_NOT_COMPUTABLE;
+    else
+        row->verdict = holds(claim, row->difference) ? DL_AGREES : DL_DIFFERS;
+}

@@ -1,0 +1,672 @@
+/* Papers: verdicts follow the stated rule, runs are kept and gone on with, the page has it all. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <glob.h>
+#include <jansson.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "study/paper_quantity.h"
+
+static char folder[] = "/tmp/driftlab-paper-XXXXXX";
+static char paper_path[64], runs[64], page[64];
+
+static void write_text(const char *name, const char *text) {
+    char path[128];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *out = fopen(path, "w");
+    assert_non_null(out);
+    fputs(text, out);
+    assert_int_equal(fclose(out), 0);
+}
+
+static char *read_text(const char *path) {
+    FILE *in = fopen(path, "rb");
+    assert_non_null(in);
+    fseek(in, 0, SEEK_END);
+    const size_t size = (size_t)ftell(in);
+    rewind(in);
+    char *text = calloc(size + 1, 1);
+    assert_non_null(text);
+    assert_int_equal(fread(text, 1, size, in), size);
+    fclose(in);
+    return text;
+}
+
+/* A particle bound to a pinned one by TR299's molecular force, and a third one far away. */
+static void write_scene(const char *speed) {
+    char text[1024];
+    snprintf(text, sizeof text,
+             "name: pair\nsource: test\ndimension: 2\nparticles:\n"
+             "  - {at: [0, 1], velocity: [0, %s], mass: 1}\n"
+             "  - {at: [0, 0], mass: 1, pinned: true}\n"
+             "pair_law:\n"
+             "  - {until: 2.3, terms: [{coefficient: -5, power: 4}, {coefficient: 5, power: 6}]}\n"
+             "time: {step: 1.0e-3, end: 8, sample: 0.01}\n",
+             speed);
+    write_text("pair.yaml", text);
+}
+
+static int make_folder(void **state) {
+    (void)state;
+    if (!mkdtemp(folder))
+        return -1;
+    snprintf(paper_path, sizeof paper_path, "%s/paper.yaml", folder);
+    snprintf(runs, sizeof runs, "%s/page.html.runs", folder);
+    snprintf(page, sizeof page, "%s/page.html", folder);
+    return 0;
+}
+
+static int clean(void **state) {
+    static const char *const patterns[] = {"/page.html.runs/*", "/*.*"};
+    (void)state;
+    for (size_t k = 0; k < 2; k++) {
+        char pattern[128];
+        glob_t found = {0};
+        snprintf(pattern, sizeof pattern, "%s%s", folder, patterns[k]);
+        glob(pattern, 0, NULL, &found);
+        for (size_t i = 0; i < found.gl_pathc; i++)
+            remove(found.gl_pathv[i]);
+        globfree(&found);
+    }
+    write_scene("0.5");
+    return 0;
+}
+
+static int remove_folder(void **state) {
+    clean(state);
+    char path[128];
+    snprintf(path, sizeof path, "%s/pair.yaml", folder);
+    remove(path);
+    rmdir(runs);
+    return rmdir(folder);
+}
+
+static dl_paper *read_paper(const char *text) {
+    dl_paper *paper = NULL;
+    dl_error error = {""};
+    write_text("paper.yaml", text);
+    if (dl_paper_read(paper_path, &paper, &error))
+        fail_msg("%s", error.message);
+    return paper;
+}
+
+static dl_paper_report *run_paper(const dl_paper *paper, bool long_runs) {
+    const dl_paper_options how = {.folder = runs, .long_runs = long_runs};
+    dl_paper_report *report = NULL;
+    dl_error error = {""};
+    if (dl_paper_run(paper, &how, &report, &error))
+        fail_msg("%s", error.message);
+    return report;
+}
+
+#define HEAD "name: test\ntitle: a test\nsource: nobody\n"
+#define CLAIM(what, published, rest)                                                               \
+    "  - {part: one, what: " what ", where: here, published: " published ", " rest "}\n"
+
+/* --- judging ---------------------------------------------------------------------------------- */
+
+static void verdicts_follow_the_rule(void **state) {
+    (void)state;
+    static const struct {
+        const char *published;
+        int rule;
+        double digit, within, about, value, tolerance;
+        dl_verdict verdict;
+    } cases[] = {
+        {"20.467", DL_RULE_EQUAL, 0, INFINITY, 0, 20.46712, 0.0005, DL_AGREES},
+        {"20.467", DL_RULE_EQUAL, 0, INFINITY, 0, 20.4676, 0.0005, DL_DIFFERS},
+        {"20.467", DL_RULE_EQUAL, 0, INFINITY, 0, 20.4675, 0.0005, DL_AGREES},
+        {".50", DL_RULE_EQUAL, 0, INFINITY, 0, 0.5024, 0.005, DL_AGREES},
+        {".50", DL_RULE_EQUAL, 0, INFINITY, 0, 0.506, 0.005, DL_DIFFERS},
+        {"-.05244", DL_RULE_EQUAL, 0, INFINITY, 0, -0.052424, 5e-6, DL_DIFFERS},
+        {"40", DL_RULE_EQUAL, 0, INFINITY, 0, 40, 0.5, DL_AGREES},
+        {"197", DL_RULE_EQUAL, 0, INFINITY, 0, 195, 0.5, DL_DIFFERS},
+        {"170", DL_RULE_EQUAL, 10, INFINITY, 0, 174, 5, DL_AGREES},
+        {"170", DL_RULE_EQUAL, 10, INFINITY, 0, 181, 5, DL_DIFFERS},
+        {"1.5e-3", DL_RULE_EQUAL, 0, INFINITY, 0, 1.54e-3, 5e-5, DL_AGREES},
+        {"0", DL_RULE_EQUAL, 0, 1e-9, 0, -1e-10, 1e-9, DL_AGREES},
+        {"0", DL_RULE_EQUAL, 0, 1e-9, 0, 1e-8, 1e-9, DL_DIFFERS},
+        {"15000", DL_RULE_EQUAL, 0, INFINITY, 0.1, 16400, 1500, DL_AGREES},
+        {"15000", DL_RULE_EQUAL, 0, INFINITY, 0.1, 12500, 1500, DL_DIFFERS},
+        {"99", DL_RULE_AT_MOST, 0, INFINITY, 0, 100, 0.5, DL_DIFFERS},
+        {"99", DL_RULE_AT_MOST, 0, INFINITY, 0, 3, 0.5, DL_AGREES},
+        {"98", DL_RULE_AT_LEAST, 0, INFINITY, 0, 162, 0.5, DL_AGREES},
+        {"98", DL_RULE_AT_LEAST, 0, INFINITY, 0, 97, 0.5, DL_DIFFERS},
+        {"98", DL_RULE_EQUAL, 0, INFINITY, 0, NAN, 0.5, DL_NOT_COMPUTABLE},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char published[32];
+        snprintf(published, sizeof published, "%s", cases[i].published);
+        dl_paper_claim claim = {.published = published,
+                                .rule = cases[i].rule,
+                                .digit = cases[i].digit,
+                                .within = cases[i].within,
+                                .about = cases[i].about};
+        dl_paper_row row = {.value = cases[i].value};
+        assert_int_equal(dl_paper_claim_prepare(&claim, NULL), DL_OK);
+        dl_paper_judge(&claim, &row);
+        if (row.verdict != cases[i].verdict ||
+            fabs(claim.tolerance - cases[i].tolerance) > 1e-12 * (1 + cases[i].tolerance))
+            fail_msg("case %zu: %s, tolerance %g", i, dl_verdict_name(row.verdict),
+                     claim.tolerance);
+    }
+}
+
+/* --- the whole -------------------------------------------------------------------------------- */
+
+static const char small[] = HEAD
+    "runs:\n"
+    "  - {name: swing, scene: pair.yaml, end: 0.5}\n"
+    "  - {name: far, scene: pair.yaml, long: true}\n"
+    "claims:\n" CLAIM("two particles", "2", "computed: particles, scene: pair.yaml") CLAIM(
+        "three particles", "3",
+        "computed: particles, scene: pair.yaml") CLAIM("rest <distance>", "1.00",
+                                                       "computed: rest-distance, scene: pair.yaml")
+        CLAIM("from the far run", "1", "computed: y, run: far, step: 5000") CLAIM(
+            "steps", "500", "computed: steps, run: swing") CLAIM("no such scene", "1",
+                                                                 "computed: mass, scene: none.yaml")
+            CLAIM("refused", "1", "computed: refused, scene: none.yaml") CLAIM(
+                "not a frame", "1",
+                "computed: y, run: swing, step: 7") "  - part: two\n    what: [start, a step]\n    "
+                                                    "where: there\n"
+                                                    "    published: [1, 1.005]\n    computed: y\n"
+                                                    "    run: swing\n    step: [0, 10]\n"
+                                                    "pictures:\n"
+                                                    "  - {part: one, figure: Figure 7, caption: in "
+                                                    "words, run: "
+                                                    "swing, step: [0, 100]}\n"
+                                                    "  - {part: three, figure: Figure 8, scene: "
+                                                    "pair.yaml, "
+                                                    "velocities: true}\n"
+                                                    "  - {part: three, figure: Figure 9, run: "
+                                                    "far}\n"
+                                                    "not_recoverable: [the colour of the ink]\n";
+
+static void claims_get_their_verdicts(void **state) {
+    (void)state;
+    static const dl_verdict expected[] = {
+        DL_AGREES,         DL_DIFFERS, DL_AGREES,         DL_NOT_COMPUTABLE, DL_AGREES,
+        DL_NOT_COMPUTABLE, DL_AGREES,  DL_NOT_COMPUTABLE, DL_AGREES,         DL_AGREES};
+    dl_paper *paper = read_paper(small);
+    dl_paper_report *report = run_paper(paper, false);
+    assert_int_equal(report->rows, 10);
+    for (size_t i = 0; i < report->rows; i++)
+        if (report->row[i].verdict != expected[i])
+            fail_msg("%s: %s, computed %g (%s)", report->row[i].what,
+                     dl_verdict_name(report->row[i].verdict), report->row[i].value,
+                     report->row[i].reason);
+    assert_non_null(strstr(report->row[3].reason, "--long"));
+    assert_non_null(strstr(report->row[5].reason, "none.yaml"));
+    assert_true(isnan(report->row[3].difference));
+    assert_true(report->row[1].difference == -1);
+    assert_int_equal(report->run[0].fate, DL_RUN_FINISHED);
+    assert_int_equal(report->run[1].fate, DL_RUN_MISSING);
+    assert_int_equal(dl_paper_count(report, DL_NOT_COMPUTABLE), 3);
+    dl_paper_report_free(report);
+    dl_paper_free(paper);
+}
+
+static size_t occurrences(const char *text, const char *what) {
+    size_t found = 0;
+    for (const char *at = text; (at = strstr(at, what)); at += strlen(what))
+        found++;
+    return found;
+}
+
+static void the_page_holds_all_of_it(void **state) {
+    (void)state;
+    static const char *const parts[] = {"two particles",
+                                        "three particles",
+                                        "rest &lt;distance&gt;",
+                                        "from the far run",
+                                        "no such scene",
+                                        "not a frame",
+                                        "a step",
+                                        "Figure 7",
+                                        "in words",
+                                        "Figure 8",
+                                        "Figure 9",
+                                        "the colour of the ink",
+                                        "swing, step 100",
+                                        "half a unit of the last digit"};
+    dl_error error = {""};
+    dl_paper *paper = read_paper(small);
+    dl_paper_report *report = run_paper(paper, false);
+    const dl_paper_report *const both[] = {report, report};
+    assert_int_equal(dl_paper_write(both, 2, page, &error), DL_OK);
+    char *text = read_text(page);
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        if (!strstr(text, parts[i]))
+            fail_msg("the page lacks \"%s\"", parts[i]);
+    assert_int_equal(occurrences(text, "<svg "), 2 * 3);
+    assert_int_equal(occurrences(text, "class=\"verdict differs\""), 2 * 1);
+    assert_int_equal(occurrences(text, "class=\"verdict agrees\""), 2 * 6);
+    assert_int_equal(occurrences(text, "class=\"verdict not-computable\""), 2 * 3);
+    /* Clipping paths of six pictures have six names; the fourth of each paper is missing. */
+    for (int k = 0; k < 7; k += k == 2 ? 2 : 1) {
+        char name[32];
+        snprintf(name, sizeof name, "id=\"p%d-clip0\"", k);
+        assert_int_equal(occurrences(text, name), 1);
+        snprintf(name, sizeof name, "url(#p%d-clip0)", k);
+        assert_int_equal(occurrences(text, name), 1);
+    }
+    assert_null(strstr(text, "nan"));
+    assert_null(strstr(text, "src=\"http"));
+    free(text);
+    dl_paper_report_free(report);
+    dl_paper_free(paper);
+}
+
+/* --- runs are kept ---------------------------------------------------------------------------- */
+
+static dl_paper_run_fate fate_of(const dl_paper *paper) {
+    dl_paper_report *report = run_paper(paper, false);
+    const dl_paper_run_fate fate = report->run[0].fate;
+    dl_paper_report_free(report);
+    return fate;
+}
+
+static void finished_runs_are_kept(void **state) {
+    (void)state;
+    char path[128];
+    dl_paper *paper = read_paper(small);
+    assert_int_equal(fate_of(paper), DL_RUN_FINISHED);
+    assert_int_equal(fate_of(paper), DL_RUN_KEPT);
+    write_scene("0.75"); /* another scene of the same name */
+    assert_int_equal(fate_of(paper), DL_RUN_FINISHED);
+    assert_int_equal(fate_of(paper), DL_RUN_KEPT);
+    snprintf(path, sizeof path, "%s/swing.h5", runs);
+    assert_int_equal(remove(path), 0);
+    assert_int_equal(fate_of(paper), DL_RUN_FINISHED);
+    snprintf(path, sizeof path, "%s/swing.json", runs);
+    assert_int_equal(truncate(path, 20), 0); /* a damaged record is none */
+    assert_int_equal(fate_of(paper), DL_RUN_FINISHED);
+    dl_paper_free(paper);
+}
+
+static const char segmented[] =
+    HEAD "runs:\n  - {name: swing, scene: pair.yaml, end: 4, segment: 0.5}\n"
+         "  - {name: whole, scene: pair.yaml, end: 4}\n"
+         "claims:\n" CLAIM("a", "1", "computed: y, run: swing, step: 4000")
+             CLAIM("b", "1", "computed: y, run: whole, step: 4000")
+                 CLAIM("c", "1", "computed: y, run: swing, time: 1.23")
+                     CLAIM("d", "1", "computed: y, run: whole, step: 1230")
+                         CLAIM("e", "4000", "computed: steps, run: swing");
+
+static void die_in_the_middle(void *context, const dl_paper_progress *progress) {
+    (void)context;
+    if (progress->fraction > 0.55)
+        raise(SIGKILL);
+}
+
+static void a_killed_run_goes_on(void **state) {
+    (void)state;
+    char path[128];
+    struct stat before, after;
+    dl_paper *paper = read_paper(segmented);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        const dl_paper_options how = {.folder = runs, .on_progress = die_in_the_middle};
+        dl_paper_report *report = NULL;
+        dl_paper_run(paper, &how, &report, NULL);
+        _exit(0);
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+    snprintf(path, sizeof path, "%s/swing.h5", runs);
+    assert_int_not_equal(access(path, F_OK), 0);
+    snprintf(path, sizeof path, "%s/swing.part003.h5", runs);
+    assert_int_equal(stat(path, &before), 0);
+    dl_paper_report *report = run_paper(paper, false);
+    assert_int_equal(stat(path, &after), 0);
+    assert_true(before.st_ino == after.st_ino && before.st_mtime == after.st_mtime);
+    assert_int_equal(report->run[0].fate, DL_RUN_FINISHED);
+    assert_int_equal(report->run[0].segments_done, 8);
+    /* The same run but for roundoff, whatever segment is looked at. */
+    assert_true(fabs(report->row[0].value - report->row[1].value) < 1e-9);
+    assert_true(fabs(report->row[2].value - report->row[3].value) < 1e-9);
+    assert_true(fabs(report->row[0].value - report->row[2].value) > 1e-3);
+    assert_int_equal(report->row[4].verdict, DL_AGREES);
+    dl_paper_report_free(report);
+    dl_paper_free(paper);
+}
+
+static volatile int interrupt;
+
+static void stop_in_the_middle(void *context, const dl_paper_progress *progress) {
+    (void)context;
+    if (progress->fraction > 0.3)
+        interrupt = 1;
+}
+
+static void an_interrupt_keeps_what_is_finished(void **state) {
+    (void)state;
+    char path[128];
+    dl_error error = {""};
+    dl_paper_report *report = (dl_paper_report *)path;
+    dl_paper *paper = read_paper(segmented);
+    interrupt = 0;
+    const dl_paper_options how = {
+        .folder = runs, .interrupt = &interrupt, .on_progress = stop_in_the_middle};
+    assert_int_equal(dl_paper_run(paper, &how, &report, &error), DL_INTERRUPTED);
+    assert_null(report);
+    assert_non_null(strstr(error.message, runs));
+    snprintf(path, sizeof path, "%s/swing.part002.h5", runs);
+    assert_int_equal(access(path, F_OK), 0);
+    report = run_paper(paper, false);
+    assert_int_equal(report->run[0].fate, DL_RUN_FINISHED);
+    assert_true(fabs(report->row[0].value - report->row[1].value) < 1e-9);
+    dl_paper_report_free(report);
+    dl_paper_free(paper);
+}
+
+static void a_run_starts_from_another(void **state) {
+    (void)state;
+    write_text(
+        "next.yaml",
+        "name: next\nsource: test\ndimension: 2\nstart: {from: swing.h5}\n"
+        "pair_law:\n"
+        "  - {until: 2.3, terms: [{coefficient: -5, power: 4}, {coefficient: 5, power: 6}]}\n"
+        "time: {step: 1.0e-3, end: 1, sample: 0.1}\n");
+    dl_paper *paper =
+        read_paper(HEAD "runs:\n  - {name: swing, scene: pair.yaml, end: 1}\n"
+                        "  - {name: next, scene: next.yaml, chained: true}\n"
+                        "  - {name: whole, scene: pair.yaml, end: 2}\n"
+                        "claims:\n" CLAIM("a", "1", "computed: y, run: next, step: 1000")
+                            CLAIM("b", "1", "computed: y, run: whole, step: 2000"));
+    dl_paper_report *report = run_paper(paper, false);
+    if (report->run[1].fate != DL_RUN_FINISHED)
+        fail_msg("%s", report->run[1].message);
+    assert_true(fabs(report->row[0].value - report->row[1].value) < 1e-9);
+    dl_paper_report_free(report);
+    dl_paper_free(paper);
+}
+
+/* --- quantities ------------------------------------------------------------------------------- */
+
+/* From a distance of 1 to D = 2.3 from a pinned particle: v^2/2 = V(D) - V(1). */
+static void the_freeing_speed_is_the_exact_one(void **state) {
+    (void)state;
+    dl_paper *paper =
+        read_paper(HEAD "claims:\n" CLAIM("v", "1", "computed: gas-speed, scene: pair.yaml"));
+    dl_paper_report *report = run_paper(paper, false);
+    const double far = pow(2.3, -5) - 5.0 / 3 * pow(2.3, -3), near = 1 - 5.0 / 3;
+    const double exact = sqrt(2 * (far - near));
+    if (!(fabs(report->row[0].value - exact) < 2e-3 * exact))
+        fail_msg("computed %.6g, exact %.6g (%s)", report->row[0].value, exact,
+                 report->row[0].reason);
+    dl_paper_report_free(report);
+    dl_paper_free(paper);
+}
+
+/* A rigid body of eight particles, one of another mass, that turns at 3 about a moving centre, and
+ * one particle far away that flies off: 3 again, and a revolution takes 2 pi/3. */
+static void rotation_is_that_of_the_body(void **state) {
+    (void)state;
+    char text[4096];
+    int length = snprintf(text, sizeof text,
+                          "name: body\nsource: test\ndimension: 2\nparticles:\n"
+                          "  - {at: [90, 0], velocity: [70, 5], mass: 1}\n");
+    double centre[2] = {0}, mass = 0;
+    for (int k = 0; k < 8; k++) {
+        const double angle = 0.25 * 3.14159265358979 * k, m = k ? 1 : 2;
+        centre[0] += m * cos(angle);
+        centre[1] += m * sin(angle);
+        mass += m;
+    }
+    for (int k = 0; k < 8; k++) {
+        const double angle = 0.25 * 3.14159265358979 * k;
+        const double x = cos(angle) - centre[0] / mass, y = sin(angle) - centre[1] / mass;
+        length += snprintf(text + length, sizeof text - (size_t)length,
+                           "  - {at: [%.15g, %.15g], velocity: [%.15g, %.15g], mass: %d}\n", x + 7,
+                           y - 2, 11 - 3 * y, 4 + 3 * x, k ? 1 : 2);
+    }
+    snprintf(text + length, sizeof text - (size_t)length,
+             "pair_law:\n  - {until: 1.5, terms: [{coefficient: 1.0e-9, power: 2}]}\n"
+             "time: {step: 1.0e-4, end: 0.02, sample: 1.0e-3}\n");
+    write_text("body.yaml", text);
+    dl_paper *paper = read_paper(
+        HEAD "runs:\n  - {name: body, scene: body.yaml}\n"
+             "claims:\n" CLAIM("a", "3.00000", "computed: rotation, scene: body.yaml")
+                 CLAIM("b", "20944", "about: 0.02, computed: revolution, run: body, step: 0"));
+    dl_paper_report *report = run_paper(paper, false);
+    for (size_t i = 0; i < 2; i++)
+        if (report->row[i].verdict != DL_AGREES)
+            fail_msg("computed %.6g (%s)", report->row[i].value, report->row[i].reason);
+    dl_paper_report_free(report);
+    dl_paper_free(paper);
+}
+
+/* With the step that TR171 prints for its fastest stream one iteration of Newton's method is not
+ * enough: a run that failed has made no steps, and its energy says nothing. */
+static void a_failed_run_is_a_result(void **state) {
+    (void)state;
+    dl_paper *paper = read_paper(
+        HEAD "runs:\n  - {name: stream, scene: " DL_STUDIES "/stream/stream-v1000-rule.yaml, "
+             "method: conserving-newton-dense, set: {step: 0.1, iterations: 1}}\n"
+             "claims:\n" CLAIM("a", "0", "computed: steps, run: stream")
+                 CLAIM("b", "0", "computed: energy-error, run: stream")
+                     CLAIM("c", "0", "computed: y, run: stream, time: 0.2"));
+    dl_paper_report *report = run_paper(paper, false);
+    assert_int_equal(report->run[0].status, DL_NONLINEAR_FAILURE);
+    assert_int_equal(report->row[0].verdict, DL_AGREES);
+    for (size_t i = 1; i < 3; i++) {
+        assert_int_equal(report->row[i].verdict, DL_NOT_COMPUTABLE);
+        assert_non_null(strstr(report->row[i].reason, "nonlinear-failure"));
+    }
+    dl_paper_report_free(report);
+    assert_int_equal(fate_of(paper), DL_RUN_KEPT);
+    dl_paper_free(paper);
+}
+
+/* --- reading ---------------------------------------------------------------------------------- */
+
+#define RUN "runs:\n  - {name: swing, scene: pair.yaml}\n"
+
+static void bad_papers_are_refused(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *line, *part;
+    } bad[] = {
+        {"name: test\nsource: nobody\n", ":1: ", "title"},
+        {HEAD "claims:\n" CLAIM("a", "one", "computed: mass, scene: pair.yaml"),
+         ":5: ", "expected a number"},
+        {HEAD "claims:\n" CLAIM("a", "1", "computed: masss, scene: pair.yaml"),
+         ":5: ", "did you mean \"mass\""},
+        {HEAD "claims:\n" CLAIM("a", "1", "computed: energy.kinetik, scene: pair.yaml"),
+         ":5: ", "did you mean \"kinetic\""},
+        {HEAD "claims:\n" CLAIM("a", "1", "computed: enrgy.kinetic, scene: pair.yaml"),
+         ":5: ", "did you mean \"energy\""},
+        {HEAD "claims:\n" CLAIM("a", "1", "computed: mass, scene: pair.yaml, noet: b"),
+         ":5: ", "did you mean \"note\""},
+        {HEAD "claims:\n" CLAIM("a", "1", "computed: mass"), ":5: ", "either `scene` or `run`"},
+        {HEAD RUN "claims:\n" CLAIM("a", "1", "computed: y, run: swnig"),
+         ":7: ", "did you mean \"swing\""},
+        {HEAD RUN "claims:\n" CLAIM("a", "1", "computed: y, run: swing, step: 1, time: 1"),
+         ":7: ", "either `step` or `time`"},
+        {HEAD "claims:\n" CLAIM("a", "1", "computed: steps, scene: pair.yaml"),
+         ":5: ", "expected a run"},
+        {HEAD "claims:\n" CLAIM("a", "1", "digit: 1, about: 1, computed: mass, scene: pair.yaml"),
+         ":5: ", "more than one"},
+        {HEAD "claims:\n"
+              "  - part: one\n    what: [a, b]\n    where: x\n    published: [1, 2, 3]\n"
+              "    computed: mass\n    scene: pair.yaml\n",
+         ":8: ", "as long as the others"},
+        {HEAD "claims:\n  - {part: one, what: a, where: x, computed: mass, scene: pair.yaml}\n",
+         ":5: ", "published"},
+        {HEAD "claims: 3\n", ":4: ", "a list"},
+        {HEAD "runs:\n  - {name: swing, scene: pair.yaml, method: leapfrogg}\n",
+         ":5: ", "did you mean \"leapfrog\""},
+        {HEAD "runs:\n  - {name: swing, scene: pair.yaml, set: {stpe: 1}}\n",
+         ":5: ", "did you mean \"step\""},
+        {HEAD "runs:\n  - {name: ../swing, scene: pair.yaml}\n", ":5: ", "small letters"},
+        {HEAD RUN "  - {name: swing, scene: pair.yaml}\n", ":6: ", "another name"},
+        {HEAD "pictures:\n  - {part: a, figure: b, scene: pair.yaml, colour: mas}\n",
+         ":5: ", "mass"},
+        {HEAD "clams: []\n", ":4: ", "did you mean \"claims\""},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        dl_paper *paper = (dl_paper *)&bad;
+        dl_error error = {""};
+        char place[96];
+        write_text("paper.yaml", bad[i].text);
+        const dl_status status = dl_paper_read(paper_path, &paper, &error);
+        snprintf(place, sizeof place, "%s%s", paper_path, bad[i].line);
+        if (status != DL_INPUT || paper || !strstr(error.message, place) ||
+            !strstr(error.message, bad[i].part))
+            fail_msg("paper %zu: status %s, message \"%s\", expected \"%s\" and \"%s\"", i,
+                     dl_status_name(status), error.message, place, bad[i].part);
+    }
+}
+
+static void a_segment_must_fit(void **state) {
+    (void)state;
+    dl_paper *paper = read_paper(
+        HEAD "runs:\n  - {name: swing, scene: pair.yaml, end: 1, segment: 0.3}\n"
+             "  - {name: other, scene: pair.yaml, end: 1, sample: 0.02, segment: 0.25}\n");
+    dl_paper_report *report = run_paper(paper, false);
+    for (size_t i = 0; i < 2; i++) {
+        assert_int_equal(report->run[i].fate, DL_RUN_MISSING);
+        assert_non_null(strstr(report->run[i].message, "segment"));
+    }
+    dl_paper_report_free(report);
+    dl_paper_free(paper);
+}
+
+static void help_names_every_key(void **state) {
+    (void)state;
+    static const char *const keys[] = {"published", "computed", "where",           "segment",
+                                       "chained",   "long",     "not_recoverable", "rest-distance",
+                                       "figure",    "within",   "about",           "energy-error"};
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    assert_non_null(out);
+    dl_paper_help(out);
+    fclose(out);
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+        assert_non_null(strstr(text, keys[i]));
+    free(text);
+}
+
+/* The papers that are shipped: every scene they name is there (a refused one must be meant). */
+static void shipped_papers_are_whole(void **state) {
+    (void)state;
+    static const char *const names[] = {"tr171", "tr299", "tr323"};
+    static const size_t least_claims[] = {30, 30, 70}, least_pictures[] = {25, 25, 12};
+    for (size_t k = 0; k < 3; k++) {
+        char path[256];
+        dl_error error = {""};
+        dl_paper *paper = NULL;
+        snprintf(path, sizeof path, "%s/papers/%s.yaml", DL_STUDIES, names[k]);
+        if (dl_paper_read(path, &paper, &error))
+            fail_msg("%s", error.message);
+        assert_true(paper->claims >= least_claims[k]);
+        assert_true(paper->pictures >= least_pictures[k]);
+        assert_true(paper->lost > 2);
+        for (size_t i = 0; i < paper->cases; i++)
+            assert_int_equal(access(paper->cased[i].path, R_OK), 0);
+        for (size_t i = 0; i < paper->claims; i++)
+            if (paper->claim[i].source.path)
+                assert_int_equal(access(paper->claim[i].source.path, R_OK), 0);
+        dl_paper_free(paper);
+    }
+}
+
+/* --- the command ------------------------------------------------------------------------------ */
+
+/* What it prints, errors too; *code its exit status. */
+static char *command(const char *arguments, int *code) {
+    char line[512];
+    char *text = calloc(1, 1 << 16);
+    assert_non_null(text);
+    snprintf(line, sizeof line, "cd %s && %s paper %s 2>&1", folder, DL_PROGRAM, arguments);
+    FILE *from = popen(line, "r");
+    assert_non_null(from);
+    const size_t size = fread(text, 1, (1 << 16) - 1, from);
+    text[size] = '\0';
+    *code = WEXITSTATUS(pclose(from));
+    return text;
+}
+
+static void the_command_tells_everything(void **state) {
+    (void)state;
+    int code;
+    write_text("paper.yaml", small);
+    char *text = command("paper.yaml --json", &code);
+    assert_int_equal(code, 0);
+    json_t *root = json_loads(text, 0, NULL);
+    assert_non_null(root);
+    const json_t *paper = json_array_get(json_object_get(root, "papers"), 0);
+    const json_t *claims = json_object_get(paper, "claims");
+    assert_int_equal(json_array_size(claims), 10);
+    const json_t *second = json_array_get(claims, 1), *fourth = json_array_get(claims, 3);
+    assert_string_equal(json_string_value(json_object_get(second, "verdict")), "differs");
+    assert_true(json_number_value(json_object_get(second, "computed")) == 2);
+    assert_true(json_is_null(json_object_get(fourth, "computed")));
+    assert_string_equal(json_string_value(json_object_get(root, "page")), "test.html");
+    json_decref(root);
+    free(text);
+    text = command("paper.yaml --long --out test.html", &code);
+    assert_int_equal(code, 0);
+    assert_non_null(strstr(text, "7 agree, 1 differ, 2 not computable"));
+    free(text);
+    char path[128];
+    snprintf(path, sizeof path, "rm -r %s/test.html.runs", folder);
+    assert_int_equal(system(path), 0);
+}
+
+static void the_command_refuses_what_it_does_not_know(void **state) {
+    (void)state;
+    static const struct {
+        const char *arguments, *part;
+    } bad[] = {
+        {"TR172 --studies " DL_STUDIES, "tr171, tr299, tr323, all"},
+        {"TR171 --studies nowhere", "--studies"},
+        {"none.yaml", "none.yaml"},
+        {"TR171 --lnog", "did you mean \"--long\""},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        int code;
+        char *text = command(bad[i].arguments, &code);
+        if (code != 2 || !strstr(text, bad[i].part))
+            fail_msg("%s: exit %d, \"%s\"", bad[i].arguments, code, text);
+        free(text);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(verdicts_follow_the_rule),
+        cmocka_unit_test_setup(claims_get_their_verdicts, clean),
+        cmocka_unit_test_setup(the_page_holds_all_of_it, clean),
+        cmocka_unit_test_setup(finished_runs_are_kept, clean),
+        cmocka_unit_test_setup(a_killed_run_goes_on, clean),
+        cmocka_unit_test_setup(an_interrupt_keeps_what_is_finished, clean),
+        cmocka_unit_test_setup(a_run_starts_from_another, clean),
+        cmocka_unit_test_setup(the_freeing_speed_is_the_exact_one, clean),
+        cmocka_unit_test_setup(rotation_is_that_of_the_body, clean),
+        cmocka_unit_test_setup(a_failed_run_is_a_result, clean),
+        cmocka_unit_test_setup(bad_papers_are_refused, clean),
+        cmocka_unit_test_setup(a_segment_must_fit, clean),
+        cmocka_unit_test(help_names_every_key),
+        cmocka_unit_test(shipped_papers_are_whole),
+        cmocka_unit_test_setup(the_command_tells_everything, clean),
+        cmocka_unit_test_setup(the_command_refuses_what_it_does_not_know, clean),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
