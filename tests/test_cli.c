@@ -110,7 +110,8 @@ static void help_everywhere(void **state) {
     (void)state;
     expect_text("--help", "usage: driftlab COMMAND");
     expect_text("help", "usage: driftlab COMMAND");
-    static const char *const commands[] = {"run", "study", "report", "explain", "list", "help"};
+    static const char *const commands[] = {"run",     "study", "report", "observe",
+                                           "explain", "list",  "help"};
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
         char arguments[32], words[48];
         snprintf(words, sizeof words, "usage: driftlab %s", commands[i]);
