@@ -117,11 +117,11 @@ DL_INLINE void discrete_loop(const dl_law *law, shape form, const double *s0, co
 
 /* --- any whole powers ------------------------------------------------------------------------- */
 
-/* sum c r^(-p - more) over `terms` terms from `first` on. */
-DL_INLINE vector sum_of(const dl_law *law, int piece, int first, int terms, int more,
-                        vector inverse, vector inverse2) {
+/* sum c r^(-p - more) over the terms from `begin` to before `end`. */
+DL_INLINE vector sum_of(const dl_law *law, int piece, int begin, int end, int more, vector inverse,
+                        vector inverse2) {
     vector sum = splat(0);
-    for (int t = first; t < first + terms; t++)
+    for (int t = begin; t < end; t++)
         sum += law->coefficient[piece][t] *
                whole_power(inverse, inverse2, law->whole_power[piece][t] + more);
     return sum;
@@ -133,10 +133,10 @@ DL_INLINE vector blend(const dl_law *law, int piece, vector r, vector inverse, i
     v = choose(v < 0, splat(0), v);
     v = choose(v > 1, splat(1), v);
     vector s = v * v * v * (10 + v * (6 * v - 15)), inverse2 = inverse * inverse;
-    int terms = law->terms[piece], next = law->next_terms[piece];
-    vector force = s * sum_of(law, piece, 0, terms, more, inverse, inverse2);
-    if (next > 0)
-        force += (1 - s) * sum_of(law, piece, terms, next, more, inverse, inverse2);
+    int own = law->terms[piece], all = own + law->next_terms[piece];
+    vector force = s * sum_of(law, piece, 0, own, more, inverse, inverse2);
+    if (all > own)
+        force += (1 - s) * sum_of(law, piece, own, all, more, inverse, inverse2);
     return force;
 }
 
