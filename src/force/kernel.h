@@ -59,6 +59,10 @@ struct dl_kernel {
     void *data;
 };
 
+/* `rows` of a kernel without a list: every pair may act. */
+dl_status dl_kernel_rows_of_all(dl_kernel *kernel, const double *x, const double *delta,
+                                dl_pair_rows *rows, dl_error *error);
+
 extern const dl_kernel_ops dl_kernel_reference, dl_kernel_all_pairs, dl_kernel_neighbour_list;
 
 /* Chooses by the scene: what it asks for, or else a list where the law ends and the particles are

@@ -91,22 +91,12 @@ static dl_status discrete(dl_kernel *kernel, const double *x, const double *delt
     return sum_pairs(kernel, x, delta, f, error);
 }
 
-static dl_status rows(dl_kernel *kernel, const double *x, const double *delta, dl_pair_rows *out,
-                      dl_error *error) {
-    (void)kernel;
-    (void)x;
-    (void)delta;
-    (void)error;
-    *out = (dl_pair_rows){NULL, NULL, 1};
-    return DL_OK;
-}
-
 const dl_kernel_ops dl_kernel_all_pairs = {
     .name = "all-pairs",
     .doc = "every pair once, vectorised over partners",
     .create = create,
     .force = force,
     .discrete = discrete,
-    .rows = rows,
+    .rows = dl_kernel_rows_of_all,
     .destroy = destroy,
 };
