@@ -1,5 +1,7 @@
 /* The one time loop: the papers' program reproduced, the ledger, samples, limits and failures. */
+#include <time.h>
 #include "fixture_runs.h"
+#include "fixture_scenes.h"
 
 #include "observe/schedule.h"
 #include "observe/stopwatch.h"
@@ -575,6 +577,32 @@ static void step_of_nothing_is_a_failure(void **state) {
 
 /* --- instability ---------------------------------------------------------------------------- */
 
+/* Uses up CPU time at every sample. */
+static dl_status dawdle(void *context, const dl_sample *sample, dl_error *error) {
+    (void)sample;
+    (void)error;
+    const clock_t until = clock() + CLOCKS_PER_SEC / 20;
+    while (clock() < until)
+        ++*(volatile unsigned *)context;
+    return DL_OK;
+}
+
+/* CPU time, not the clock on the wall: a hundred steps of two particles beside 0.25 s of samples.
+ */
+static void observation_is_not_in_the_cpu_time(void **state) {
+    (void)state;
+    volatile unsigned turns = 0;
+    dl_scene *scene = fixture_oscillator();
+    dl_run_options how = run_options(1, 0.25);
+    how.on_sample = dawdle;
+    how.context = (void *)&turns;
+    finished run = run_with(scene, method_of("leapfrog"), "", &how);
+    assert_int_equal(run.summary.samples, 5);
+    assert_true(run.summary.cpu_seconds > 0 && run.summary.cpu_seconds < 0.04);
+    free(run.y);
+    dl_scene_free(scene);
+}
+
 /* Without the ledger the motion is the same, and nothing is said of errors it would take. */
 static void ledger_can_be_left_out(void **state) {
     (void)state;
@@ -641,6 +669,7 @@ int main(void) {
         cmocka_unit_test(time_limit_stops_fast_steps),
         cmocka_unit_test(interrupt_stops_the_run),
         cmocka_unit_test(step_of_nothing_is_a_failure),
+        cmocka_unit_test(observation_is_not_in_the_cpu_time),
         cmocka_unit_test(ledger_can_be_left_out),
         cmocka_unit_test(unbounded_energy_is_unstable),
     };

@@ -35,7 +35,8 @@ typedef struct conserving_options {
     {                                                                                              \
         .name = "iterations", .kind = DL_INTEGER,                                                  \
         .offset = offsetof(conserving_options, iterations), .unit = "", .minimum = 1,              \
-        .maximum = 100000, .fallback = "100", .doc = "nonlinear iterations allowed in a step"      \
+        .maximum = 100000, .fallback = "100",                                                      \
+        .doc = "nonlinear iterations allowed in one attempt at a step"                             \
     }
 
 static const dl_parameter fixed_point_options[] = {
