@@ -4,6 +4,8 @@
 #include "contract.h"
 #include "driftlab/explain.h"
 #include "driftlab/run.h"
+#include "fixture_bounce.h"
+#include "fixture_derivatives.h"
 #include "force/law.h"
 #include "force/vector_ops.h"
 
@@ -473,61 +475,16 @@ static const dl_pair_law ends[] = {
     {1, {PIECE(.until = 0.25, TERMS(2, {-25, 2}, {50, 4}), TAPER(0.1))}},
 };
 
-enum { unknowns = 48 }; /* of fixture_box */
-
 /* The box pressed together until its pairs are about the cutoff. */
 static dl_model *pressed_box(const dl_pair_law *law, dl_scene **scene) {
     dl_model *model;
     *scene = fixture_box();
     (*scene)->law = *law;
-    for (size_t i = 0; i < unknowns; i++)
+    for (size_t i = 0; i < box_unknowns; i++)
         (*scene)->position[i] *= 0.7;
     assert_int_equal(dl_model_create(*scene, &model, NULL), DL_OK);
-    assert_int_equal(model->unknowns, unknowns);
+    assert_int_equal(model->unknowns, box_unknowns);
     return model;
-}
-
-/* J u of the force's Jacobian, or of the discrete force's. */
-static void multiply(dl_model *model, const double *q, const double *delta, const double *u,
-                     double *product) {
-    const dl_sparsity *pattern;
-    assert_int_equal(dl_model_sparsity(model, q, delta, &pattern, NULL), DL_OK);
-    double *const values = malloc(pattern->nonzeros * sizeof *values);
-    assert_int_equal(delta ? dl_model_discrete_jacobian(model, q, delta, values, NULL)
-                           : dl_model_jacobian(model, q, values, NULL),
-                     DL_OK);
-    memset(product, 0, unknowns * sizeof *product);
-    for (size_t c = 0; c < unknowns; c++)
-        for (long k = pattern->column_start[c]; k < pattern->column_start[c + 1]; k++)
-            product[pattern->row[k]] += values[k] * u[c];
-    free(values);
-}
-
-static void accelerate(dl_model *model, const double *q, const double *delta, const double *u,
-                       double h, double *a) {
-    double at[unknowns], to[unknowns];
-    for (size_t i = 0; i < unknowns; i++) {
-        at[i] = q[i] + (delta ? 0 : h * u[i]);
-        to[i] = delta ? delta[i] + h * u[i] : 0;
-    }
-    assert_int_equal(delta ? dl_model_discrete_acceleration(model, at, to, a, NULL)
-                           : dl_model_acceleration(model, at, a, NULL),
-                     DL_OK);
-}
-
-static void check_jacobian(dl_model *model, const double *q, const double *delta) {
-    double u[unknowns], product[unknowns], up[unknowns], down[unknowns], largest = 0;
-    const double h = 1e-7;
-    for (unsigned i = 0; i < unknowns; i++)
-        u[i] = fixture_noise(i + 200);
-    multiply(model, q, delta, u, product);
-    accelerate(model, q, delta, u, h, up);
-    accelerate(model, q, delta, u, -h, down);
-    for (size_t i = 0; i < unknowns; i++)
-        largest = fmax(largest, fabs(product[i]));
-    assert_true(largest > 1e5);
-    for (size_t i = 0; i < unknowns; i++)
-        assert_true(fabs(product[i] - (up[i] - down[i]) / (2 * h)) <= 1e-6 * largest);
 }
 
 static void jacobians_are_the_derivatives(void **state) {
@@ -535,12 +492,12 @@ static void jacobians_are_the_derivatives(void **state) {
     for (int k = 0; k < 3; k++) {
         dl_scene *scene;
         dl_model *const model = pressed_box(&ends[k], &scene);
-        double y[2 * unknowns], delta[unknowns];
+        double y[2 * box_unknowns], delta[box_unknowns];
         dl_model_initial_state(model, y);
-        for (unsigned i = 0; i < unknowns; i++)
+        for (unsigned i = 0; i < box_unknowns; i++)
             delta[i] = 0.01 * fixture_noise(i + 100);
-        check_jacobian(model, y, NULL);
-        check_jacobian(model, y, delta);
+        fixture_check_jacobian(model, y, NULL);
+        fixture_check_jacobian(model, y, delta);
         dl_model_free(model);
         dl_scene_free(scene);
     }
@@ -578,48 +535,7 @@ static void the_fluid_keeps_its_energy_at_every_end(void **state) {
 }
 
 /* --- orders on one pair --------------------------------------------------------------------------
- * A particle flies head on at a pinned one, which repels it within the cutoff, and leaves again. */
-
-static const double flight = 0.05;
-
-static dl_scene *bounce(const dl_pair_law *law, double from, double speed) {
-    dl_scene *scene = fixture_scene("bounce", 2, 2);
-    scene->law = *law;
-    fixture_place(scene, 0, (double[3]){0}, (double[3]){0});
-    fixture_place(scene, 1, (double[3]){from}, (double[3]){-speed});
-    scene->pinned[0] = true;
-    scene->end = flight;
-    return scene;
-}
-
-/* Where it turns: V = E. */
-static double turning_point(const dl_law *law, double energy, double cutoff) {
-    double low = 0.01, high = cutoff;
-    for (int i = 0; i < 100; i++) {
-        const double middle = (low + high) / 2;
-        *(dl_law_potential(law, middle * middle) > energy ? &low : &high) = middle;
-    }
-    return high;
-}
-
-/* The distance at the end of the flight. Outside the speed is what it was; inside, the time from
- * the turning point r* to the cutoff is the integral of dr/sqrt(2 (E - V)), with r = r* + x^2 a
- * smooth one: two-point Gauss's rule on many parts. */
-static double bounce_exact(const dl_pair_law *source, double from, double speed) {
-    enum { parts = 2000 };
-    dl_law law;
-    dl_law_prepare(source, &law);
-    const double energy = speed * speed / 2, cutoff = source->piece[0].until;
-    const double turn = turning_point(&law, energy, cutoff);
-    const double top = sqrt(cutoff - turn), node = 1 / sqrt(3);
-    double inside = 0;
-    for (int i = 0; i < parts; i++)
-        for (int side = -1; side <= 1; side += 2) {
-            const double x = top * (i + (1 + side * node) / 2) / parts, r = turn + x * x;
-            inside += top / parts * x / sqrt(2 * (energy - dl_law_potential(&law, r * r)));
-        }
-    return cutoff + speed * (flight - (from - cutoff) / speed - 2 * inside);
-}
+ */
 
 /* Root mean square over flights that meet the cutoff at different parts of a step, going in and,
  * by their speed, going out. */
@@ -630,10 +546,10 @@ static double bounce_error(const dl_method_row *row, const dl_pair_law *law, int
         const double from = 0.6 + 0.05 * fmod(0.618034 * phase, 1);
         const double speed = 25 + 3 * fmod(0.754878 * phase, 1);
         char options[64];
-        snprintf(options, sizeof options, "step=%.17g", flight / steps);
-        rig r = rig_open(row, bounce(law, from, speed), options);
+        snprintf(options, sizeof options, "step=%.17g", bounce_time / steps);
+        rig r = rig_open(row, fixture_bounce(law, from, speed), options);
         rig_steps(&r, steps);
-        const double error = rig_state(&r)[0] - bounce_exact(law, from, speed);
+        const double error = rig_state(&r)[0] - fixture_bounce_exact(law, from, speed);
         sum += error * error;
         rig_close(&r);
     }
@@ -647,7 +563,7 @@ static double bounce_order(const char *method, int end) {
     assert_int_equal(dl_method_find(method, &row, NULL), DL_OK);
     for (int k = 0; k < points; k++) {
         const int steps = (int)lround(100 * pow(2, k / 2.0));
-        step[k] = flight / steps;
+        step[k] = bounce_time / steps;
         error[k] = bounce_error(row, &ends[end], steps);
     }
     const double order = fitted_order(step, error, points);

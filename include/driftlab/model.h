@@ -48,12 +48,17 @@ struct dl_model {
     bool has_radiation;
     bool has_gravity;
     bool has_pins;
+    bool locates_hits;      /* on walls, and */
+    bool locates_crossings; /* of breakpoints: steps begin and end at any time */
     dl_counts counts;
     dl_kernel *kernel;
     struct dl_model_private *priv;
     /* [unknowns] of the caller: coordinates that rest on a wall; their accelerations, discrete ones
      * and rows of Jacobians are 0. NULL: nothing does, and nothing is looked at. */
     const bool *held;
+    /* Of the caller: pairs that go by given pieces of their law wherever they are (model/locks.h),
+     * in accelerations, discrete ones and Jacobians. NULL: none do, and nothing is looked at. */
+    const struct dl_locks *locks;
     /* The accelerations in use. Set at creation; a test may put failing ones in their place. */
     dl_status (*acceleration)(dl_model *model, const double *q, double *a, dl_error *error);
     dl_status (*discrete_acceleration)(dl_model *model, const double *q, const double *delta,
@@ -105,6 +110,11 @@ unsigned long dl_model_list_builds(const dl_model *model);
 /* Observation: not counted as work of a method. */
 dl_status dl_model_energy(dl_model *model, const double *y, dl_energy *energy, dl_error *error);
 
+/* Energies at y1 minus those at y0, without the cancellation of the totals: of what differs alone.
+ * Costs a discrete force where positions differ, and nothing of pairs where velocities alone do. */
+dl_status dl_model_energy_change(dl_model *model, const double *y0, const double *y1,
+                                 dl_energy *change, dl_error *error);
+
 /* Kinetic energy (in the centre-of-mass frame where the scene is Galilean-invariant) plus the sum
  * of the moduli of the potential terms. > 0; 1 where everything vanishes. */
 dl_status dl_model_energy_scale(dl_model *model, const double *y, double *scale, dl_error *error);
@@ -113,6 +123,11 @@ dl_status dl_model_energy_scale(dl_model *model, const double *y, double *scale,
  * mass and relative to its motion where the scene is Galilean-invariant, about the origin
  * elsewhere. */
 void dl_model_momentum(const dl_model *model, const double *y, double linear[3], double angular[3]);
+
+/* Momenta at y1 minus those at y0, of what differs alone. angular [3] or NULL; where the scene is
+ * Galilean-invariant it is for states of the same positions. */
+void dl_model_momentum_change(const dl_model *model, const double *y0, const double *y1,
+                              double linear[3], double *angular);
 
 /* Sums of the moduli of the particles' momenta and angular momenta: what errors are measured by. */
 void dl_model_momentum_scales(const dl_model *model, const double *y, double *linear,

@@ -50,6 +50,7 @@ typedef struct dl_run_summary {
     unsigned long nonlinear_iterations, linear_iterations, factorisations;
     unsigned long neighbour_list_builds, wall_hits;
     unsigned long contacts, releases; /* of particles that rest on located walls */
+    unsigned long crossings;          /* of breakpoints, that were located */
     double cpu_seconds;               /* of the integration alone: observation is not in it */
     double energy_initial, energy_final, energy_scale;
     double energy_error_max, energy_error_final; /* absolute, ledger included; over the samples */

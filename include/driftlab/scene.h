@@ -36,6 +36,7 @@ typedef struct dl_piece {
     dl_term term[DL_MAX_TERMS];
     dl_piece_end end;
     double width; /* of a taper, less than the piece is long */
+    bool located; /* of a hard or shifted end: pairs that cross it are stopped there */
 } dl_piece;
 
 /* Radial force of the pair (i, j), positive where it repels:

@@ -32,6 +32,7 @@ static const field fields[] = {
     FIELD(COUNT, wall_hits, "wall hits"),
     FIELD(COUNT, contacts, "contacts begun"),
     FIELD(COUNT, releases, "contacts ended"),
+    FIELD(COUNT, crossings, "crossings located"),
     FIELD(REAL, cpu_seconds, "CPU seconds"),
     FIELD(REAL, energy_initial, "energy at the start"),
     FIELD(REAL, energy_final, "energy at the end"),

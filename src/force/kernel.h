@@ -43,6 +43,11 @@ typedef struct dl_kernel_ops {
     /* f = pairs' discrete forces over the step from x to x + delta. */
     dl_status (*discrete)(dl_kernel *kernel, const double *x, const double *delta, double *f,
                           dl_error *error);
+    /* f [dimension] = the force of the pair on i as `force`, or where delta is not NULL `discrete`,
+     * has summed it, to the last bit: that of a squared distance decides which piece a pair on a
+     * breakpoint goes by. */
+    void (*pair)(dl_kernel *kernel, const double *x, const double *delta, size_t i, size_t j,
+                 double *f);
     /* Pairs that can act at x, and at x + delta where delta is not NULL. */
     dl_status (*rows)(dl_kernel *kernel, const double *x, const double *delta, dl_pair_rows *rows,
                       dl_error *error);

@@ -1,6 +1,7 @@
 /* All pairs, vectorised over the partners of a particle, with Newton's third law. */
 #include <stdlib.h>
 #include "force/padded_arrays.h"
+#include "force/pair_alone.h"
 
 /* A run of particles in the arrays' order, all of one species, moving or pinned. */
 typedef struct run {
@@ -91,12 +92,24 @@ static dl_status discrete(dl_kernel *kernel, const double *x, const double *delt
     return sum_pairs(kernel, x, delta, f, error);
 }
 
+static void pair(dl_kernel *kernel, const double *x, const double *delta, size_t i, size_t j,
+                 double *f) {
+    const all_pairs *data = kernel->data;
+    block_loop *loop = delta ? kernel->vector->block_discrete : kernel->vector->block;
+    dl_pair_alone alone;
+    dl_pair_alone_load(kernel, x, delta, i, j, data->arrays.buffer, &alone);
+    loop(&alone.arrays, &(dl_pair_block){0, 1, 1, 2});
+    for (int c = 0; c < kernel->problem.dimension; c++)
+        f[c] = alone.f[c][0];
+}
+
 const dl_kernel_ops dl_kernel_all_pairs = {
     .name = "all-pairs",
     .doc = "every pair once, vectorised over partners",
     .create = create,
     .force = force,
     .discrete = discrete,
+    .pair = pair,
     .rows = dl_kernel_rows_of_all,
     .destroy = destroy,
 };

@@ -7,6 +7,7 @@
 #include "force/cells.h"
 #include "force/kernel.h"
 #include "force/list_parts.h"
+#include "force/pair_alone.h"
 
 /* Skin as a part of the cutoff where the scene does not say: the fastest, within noise, on the
  * settled fluid of TR323 (bench/). */
@@ -167,6 +168,18 @@ static dl_status discrete(dl_kernel *kernel, const double *x, const double *delt
     return status;
 }
 
+static void pair(dl_kernel *kernel, const double *x, const double *delta, size_t i, size_t j,
+                 double *f) {
+    static const int start[] = {0, 1}, neighbour[] = {1};
+    const list_data *data = kernel->data;
+    list_loop *loop = delta ? kernel->vector->list_discrete : kernel->vector->list;
+    dl_pair_alone alone;
+    dl_pair_alone_load(kernel, x, delta, i, j, data->buffer, &alone);
+    loop(&alone.arrays, &(dl_neighbours){start, neighbour});
+    for (int c = 0; c < kernel->problem.dimension; c++)
+        f[c] = alone.f[c][0];
+}
+
 static dl_status rows(dl_kernel *kernel, const double *x, const double *delta, dl_pair_rows *out,
                       dl_error *error) {
     const list_data *data = kernel->data;
@@ -182,6 +195,7 @@ const dl_kernel_ops dl_kernel_neighbour_list = {
     .create = create,
     .force = force,
     .discrete = discrete,
+    .pair = pair,
     .rows = rows,
     .destroy = destroy,
 };

@@ -102,6 +102,7 @@ void dl_law_prepare(const dl_pair_law *source, dl_law *law) {
         const dl_piece *piece = &source->piece[from];
         bool tapers = piece->end == DL_END_TAPER;
         law->end[law->pieces] = piece->end;
+        law->located[law->pieces] = piece->located;
         add_sum(law, law->pieces, &law->terms[law->pieces], piece, shift[from]);
         end_piece(law, tapers ? piece->until - piece->width : piece->until);
         if (tapers)
@@ -151,8 +152,13 @@ double dl_law_sum_slope(const dl_law *law, int piece, int first, int terms, doub
     return sum;
 }
 
-double dl_law_force_over_r(const dl_law *law, double r_squared) {
+int dl_law_piece_within(const dl_law *law, dl_law_range range, double r_squared) {
     int k = dl_law_piece(law, r_squared);
+    return k < range.first ? range.first : k > range.last ? range.last : k;
+}
+
+double dl_law_force_over_r_within(const dl_law *law, dl_law_range range, double r_squared) {
+    int k = dl_law_piece_within(law, range, r_squared);
     if (k == law->pieces)
         return 0;
     double r = sqrt(r_squared);
@@ -160,8 +166,16 @@ double dl_law_force_over_r(const dl_law *law, double r_squared) {
                              : dl_law_sum(law, k, 0, law->terms[k], r, 1);
 }
 
+double dl_law_force_over_r(const dl_law *law, double r_squared) {
+    return dl_law_force_over_r_within(law, dl_law_all(law), r_squared);
+}
+
 double dl_law_force_slope(const dl_law *law, double r_squared) {
-    int k = dl_law_piece(law, r_squared);
+    return dl_law_force_slope_within(law, dl_law_all(law), r_squared);
+}
+
+double dl_law_force_slope_within(const dl_law *law, dl_law_range range, double r_squared) {
+    int k = dl_law_piece_within(law, range, r_squared);
     if (k == law->pieces)
         return 0;
     double r = sqrt(r_squared);

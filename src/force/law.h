@@ -27,6 +27,7 @@ typedef struct dl_law {
     bool cut;                        /* the last piece ends */
     bool integer;                    /* every power is a whole number >= 2, or a shift's 0 */
     dl_piece_end end[dl_law_pieces]; /* of the scene's piece, for a blend and what precedes it */
+    bool located[dl_law_pieces];     /* crossings of `until` are located */
     double until[dl_law_pieces];     /* r; INFINITY for the last where it never ends */
     double until2[dl_law_pieces];    /* r^2 */
     double constant[dl_law_pieces];  /* of V; for a blend V(until) */
@@ -44,6 +45,19 @@ void dl_law_prepare(const dl_pair_law *source, dl_law *law);
 /* Piece that r lies in, its upper end included; law->pieces beyond a cutoff. */
 int dl_law_piece(const dl_law *law, double r_squared);
 
+/* Pieces first ... last, law->pieces (no force) among them, of which the outer two go on beyond
+ * their breakpoints: the law of a pair on its way through one. */
+typedef struct dl_law_range {
+    int first, last;
+} dl_law_range;
+
+static inline dl_law_range dl_law_all(const dl_law *law) {
+    return (dl_law_range){0, law->pieces};
+}
+
+/* That of them by which r goes. */
+int dl_law_piece_within(const dl_law *law, dl_law_range range, double r_squared);
+
 /* sum_s c_s r^(-p_s - more) over `terms` terms of a piece from `first` on. */
 double dl_law_sum(const dl_law *law, int piece, int first, int terms, double r, int more);
 /* sum_s -(p_s + 1) c_s r^(-p_s - 3): (1/r) d(F/r)/dr of a sum. */
@@ -51,8 +65,10 @@ double dl_law_sum_slope(const dl_law *law, int piece, int first, int terms, doub
 
 /* F(r)/r. */
 double dl_law_force_over_r(const dl_law *law, double r_squared);
+double dl_law_force_over_r_within(const dl_law *law, dl_law_range range, double r_squared);
 /* (1/r) d(F/r)/dr, so that the pair's force has the Jacobian  (F/r) I + this * d d^T. */
 double dl_law_force_slope(const dl_law *law, double r_squared);
+double dl_law_force_slope_within(const dl_law *law, dl_law_range range, double r_squared);
 double dl_law_potential(const dl_law *law, double r_squared);
 
 /* The discrete gradient of V between two distances, TR171 (2.4):
@@ -63,5 +79,7 @@ double dl_law_potential(const dl_law *law, double r_squared);
  * blends the mean of their force, law_taper.h; a path across breakpoints is the sum of its parts.
  * *slope (NULL: not wanted) is dG/ds1. */
 double dl_law_discrete(const dl_law *law, double s0, double s1, double ds, double *slope);
+double dl_law_discrete_within(const dl_law *law, dl_law_range range, double s0, double s1,
+                              double ds, double *slope);
 
 #endif

@@ -85,7 +85,8 @@ static double discrete_piece(const dl_law *law, int piece, double s0, double s1,
     return g;
 }
 
-/* From s0 to s1 over pieces: each part weighs (its share of s1 - s0), in [0, 1]. */
+/* From s0 to s1 over pieces: each part weighs (its share of s1 - s0), in [0, 1]. The outer parts
+ * may go on beyond their pieces. */
 static double discrete_across(const dl_law *law, int from, int to, double s0, double s1,
                               double ds) {
     int low = from < to ? from : to, high = from < to ? to : from;
@@ -101,7 +102,12 @@ static double discrete_across(const dl_law *law, int from, int to, double s0, do
 }
 
 double dl_law_discrete(const dl_law *law, double s0, double s1, double ds, double *slope) {
-    int from = dl_law_piece(law, s0), to = dl_law_piece(law, s1);
+    return dl_law_discrete_within(law, dl_law_all(law), s0, s1, ds, slope);
+}
+
+double dl_law_discrete_within(const dl_law *law, dl_law_range range, double s0, double s1,
+                              double ds, double *slope) {
+    int from = dl_law_piece_within(law, range, s0), to = dl_law_piece_within(law, range, s1);
     if (from == to && from == law->pieces) {
         if (slope)
             *slope = 0;
@@ -112,10 +118,12 @@ double dl_law_discrete(const dl_law *law, double s0, double s1, double ds, doubl
     if (ds == 0) { /* both ends on the breakpoint, to roundoff */
         if (slope)
             *slope = 0;
-        return (dl_law_force_over_r(law, s0) + dl_law_force_over_r(law, s1)) / 4;
+        return (dl_law_force_over_r_within(law, range, s0) +
+                dl_law_force_over_r_within(law, range, s1)) /
+               4;
     }
     double g = discrete_across(law, from, to, s0, s1, ds);
     if (slope) /* G (s1 - s0) = -(V1 - V0), differentiated by s1 */
-        *slope = (dl_law_force_over_r(law, s1) / 2 - g) / ds;
+        *slope = (dl_law_force_over_r_within(law, range, s1) / 2 - g) / ds;
     return g;
 }

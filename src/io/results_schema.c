@@ -62,6 +62,7 @@ static const dl_field case_fields[] = {
     SUMMARY(ULONG, wall_hits),
     SUMMARY(ULONG, contacts),
     SUMMARY(ULONG, releases),
+    SUMMARY(ULONG, crossings),
     SUMMARY(REAL, cpu_seconds),
     SUMMARY(REAL, energy_initial),
     SUMMARY(REAL, energy_final),

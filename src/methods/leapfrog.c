@@ -8,8 +8,9 @@
  * After the first step the velocities in y are half a step behind the positions; the velocity at
  * t_k is the mean of its half-step neighbours, v_k = v_{k-1/2} + (h/2) a_k.
  *
- * Where walls are located a step may be of any length and begin or end at a hit. There y holds v_k:
- * a step begins and ends with half a kick, and the positions are the same but for roundoff. */
+ * Where hits or crossings are located a step may be of any length and begin or end at one. There y
+ * holds v_k: a step begins and ends with half a kick, and the positions are the same but for
+ * roundoff. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -35,8 +36,7 @@ static dl_status leapfrog_create(dl_method *method, dl_error *error) {
     leapfrog *const data = method->data = calloc(1, sizeof *data);
     if (!data)
         return dl_fail_memory(error, "leap-frog");
-    const dl_walls *const walls = &method->model->scene->walls;
-    data->synchronous = walls->present && walls->rule == DL_LOCATED;
+    data->synchronous = method->model->locates_hits || method->model->locates_crossings;
     data->a = malloc(method->n * sizeof *data->a);
     if (data->synchronous)
         data->next = malloc(2 * method->n * sizeof *data->next);

@@ -72,7 +72,8 @@ static void explain_piece(const dl_law *law, int k, FILE *out) {
     if (law->end[k] == DL_END_TAPER && law->width[k] == 0)
         fprintf(out, "   for %s < r <= %s, then its taper\n", from, until);
     else if (isfinite(law->until[k]))
-        fprintf(out, "   for %s < r <= %s, end: %s\n", from, until, ends[law->end[k]]);
+        fprintf(out, "   for %s < r <= %s, end: %s%s\n", from, until, ends[law->end[k]],
+                law->located[k] ? ", located" : "");
     else
         fprintf(out, "   for r > %s\n", from);
 }
@@ -127,6 +128,12 @@ static void explain_pairs(const dl_model *model, FILE *out) {
     snprintf(text, sizeof text, "%s, instructions: %s", loops_name(model),
              model->kernel->vector->name);
     line(out, "pair loop", text);
+}
+
+static void explain_crossings(const dl_model *model, FILE *out) {
+    if (model->locates_crossings)
+        line(out, "crossings",
+             "located: a step ends where a pair passes a breakpoint, the method starts anew");
 }
 
 static void explain_gravity(const dl_model *model, FILE *out) {
@@ -242,6 +249,7 @@ static void explain_absent(const dl_model *model, FILE *out) {
         {model->dimension == 2, "z components"},
         {model->kernel && most_pieces(model) == 1, "switches of the pair law"},
         {model->kernel && isinf(model->priv->problem.reach), "cutoff"},
+        {model->kernel && !model->locates_crossings, "location of crossings"},
         {model->kernel && !model->priv->species_of, "laws by species"},
         {model->kernel && !model->priv->coupling, "couplings (all 1)"},
         {!model->priv->inverse_inertia, "division by inertia (all 1)"},
@@ -296,6 +304,7 @@ void dl_explain(const dl_model *model, FILE *out) {
     fprintf(out, "\n");
     explain_particles(model, out);
     explain_pairs(model, out);
+    explain_crossings(model, out);
     explain_gravity(model, out);
     explain_walls(model, out);
     explain_periods(model, out);

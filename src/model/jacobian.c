@@ -10,8 +10,8 @@
 typedef void dl_block_of(const dl_model *model, const dl_pair *pair, double block[3][3]);
 
 static void block_of_force(const dl_model *model, const dl_pair *pair, double block[3][3]) {
-    double f = pair->coupling * dl_law_force_over_r(pair->law, pair->s);
-    double g = pair->coupling * dl_law_force_slope(pair->law, pair->s);
+    double f = pair->coupling * dl_law_force_over_r_within(pair->law, pair->range, pair->s);
+    double g = pair->coupling * dl_law_force_slope_within(pair->law, pair->range, pair->s);
     for (int r = 0; r < model->dimension; r++)
         for (int c = 0; c < model->dimension; c++)
             block[r][c] = (r == c ? f : 0) + g * pair->d[r] * pair->d[c];
@@ -19,7 +19,8 @@ static void block_of_force(const dl_model *model, const dl_pair *pair, double bl
 
 static void block_of_discrete(const dl_model *model, const dl_pair *pair, double block[3][3]) {
     double slope;
-    double g = pair->coupling * dl_law_discrete(pair->law, pair->s, pair->s1, pair->ds, &slope);
+    double g = pair->coupling *
+               dl_law_discrete_within(pair->law, pair->range, pair->s, pair->s1, pair->ds, &slope);
     slope *= pair->coupling;
     for (int r = 0; r < model->dimension; r++)
         for (int c = 0; c < model->dimension; c++) {
@@ -57,6 +58,11 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
+/* A locked pair may act where its distance says that it does not, and so be in no row. */
+static size_t locks_of(const dl_model *model) {
+    return model->locks ? model->locks->count : 0;
+}
+
 static void count_partners(const dl_model *model, size_t *start) {
     for (size_t i = 0; i < model->moving; i++) {
         size_t begin, end;
@@ -69,6 +75,12 @@ static void count_partners(const dl_model *model, size_t *start) {
                 start[j + 1]++;
             }
         }
+    }
+    for (size_t k = 0; k < locks_of(model); k++) {
+        const dl_lock *lock = &model->locks->lock[k];
+        start[lock->i + 1]++;
+        if (lock->j < model->moving)
+            start[lock->j + 1]++;
     }
     for (size_t i = 0; i < model->moving; i++)
         start[i + 1] += start[i];
@@ -87,9 +99,28 @@ static void fill_partners(const dl_model *model, const adjacency *graph, size_t 
             }
         }
     }
+    for (size_t k = 0; k < locks_of(model); k++) {
+        const dl_lock *lock = &model->locks->lock[k];
+        graph->with[next[lock->i]++] = lock->j < model->moving ? lock->j : lock->i;
+        if (lock->j < model->moving)
+            graph->with[next[lock->j]++] = lock->i;
+    }
     for (size_t i = 0; i < model->moving; i++)
         qsort(graph->with + graph->start[i], graph->start[i + 1] - graph->start[i],
               sizeof *graph->with, ascending);
+}
+
+/* Each partner once: locked pairs are in the rows, too, as a rule. */
+static void drop_repeated(const dl_model *model, adjacency *graph) {
+    size_t to = 0, begin = 0;
+    for (size_t i = 0; i < model->moving; i++) {
+        size_t end = graph->start[i + 1], first = to;
+        for (size_t k = begin; k < end; k++)
+            if (to == first || graph->with[to - 1] != graph->with[k])
+                graph->with[to++] = graph->with[k];
+        begin = end;
+        graph->start[i + 1] = to;
+    }
 }
 
 static dl_status connect(const dl_model *model, adjacency *graph, dl_error *error) {
@@ -106,6 +137,8 @@ static dl_status connect(const dl_model *model, adjacency *graph, dl_error *erro
     }
     memcpy(next, graph->start, moving * sizeof *next);
     fill_partners(model, graph, next);
+    if (locks_of(model) > 0)
+        drop_repeated(model, graph);
     free(next);
     return DL_OK;
 }
@@ -155,8 +188,11 @@ dl_status dl_model_sparsity(dl_model *model, const double *q, const double *delt
                                      delta ? dl_model_shifts(model, delta) : NULL, &rows, error);
     if (status != DL_OK)
         return status;
-    bool stale = !priv->has_pattern || rows.generation != priv->rows.generation;
+    unsigned long locks = model->locks ? model->locks->generation : 0;
+    bool stale = !priv->has_pattern || rows.generation != priv->rows.generation ||
+                 locks != priv->locks_generation;
     priv->rows = rows;
+    priv->locks_generation = locks;
     if (stale) {
         priv->has_pattern = false;
         adjacency graph = {NULL, NULL};
@@ -229,9 +265,11 @@ static dl_status assemble(dl_model *model, const double *q, const double *delta,
     model->counts.jacobian++;
     memset(values, 0, sparsity->nonzeros * sizeof *values);
     assembly job = {values, block_of};
-    status = dl_model_visit_pairs(model, dl_model_places(model, q),
-                                  delta ? dl_model_shifts(model, delta) : NULL, assemble_pair, &job,
-                                  error);
+    const double *x = dl_model_places(model, q);
+    const double *shifts = delta ? dl_model_shifts(model, delta) : NULL;
+    status = dl_model_visit_pairs(model, x, shifts, assemble_pair, &job, error);
+    if (status == DL_OK && model->locks)
+        dl_model_visit_locks(model, x, shifts, assemble_pair, &job);
     for (size_t k = 0; model->held && k < sparsity->nonzeros; k++)
         if (model->held[sparsity->row[k]])
             values[k] = 0;
@@ -277,8 +315,10 @@ dl_status dl_model_jacobian_vector(dl_model *model, const double *q, const doubl
     model->counts.jacobian_vector++;
     memset(out, 0, model->unknowns * sizeof *out);
     product job = {u, out};
-    dl_status status =
-        dl_model_visit_pairs(model, dl_model_places(model, q), NULL, multiply_pair, &job, error);
+    const double *x = dl_model_places(model, q);
+    dl_status status = dl_model_visit_pairs(model, x, NULL, multiply_pair, &job, error);
+    if (status == DL_OK && model->locks)
+        dl_model_visit_locks(model, x, NULL, multiply_pair, &job);
     const double *inverse = model->priv->inverse_inertia;
     for (size_t c = 0; inverse && c < (size_t)model->dimension; c++)
         for (size_t k = 0; k < model->moving; k++)

@@ -45,6 +45,8 @@ static dl_status fill_laws(dl_model *model, dl_error *error) {
         dl_law_prepare(&source[k], law);
         if (law->pieces > 0)
             problem->reach = fmax(problem->reach, law->until[law->pieces - 1]);
+        for (int piece = 0; piece < law->pieces; piece++)
+            model->locates_crossings |= law->located[piece];
     }
     for (size_t k = 0; priv->species_of && k < model->particles; k++)
         priv->species_of[k] = scene->species_of[priv->order[k]];
@@ -150,6 +152,7 @@ dl_status dl_model_create(const dl_scene *scene, dl_model **model, dl_error *err
     made->dimension = scene->dimension;
     made->particles = scene->particles;
     made->has_walls = scene->walls.present;
+    made->locates_hits = scene->walls.present && scene->walls.rule == DL_LOCATED;
     made->has_periods = scene->periods.present;
     made->has_radiation = scene->radiation.present;
     made->acceleration = accelerate;
@@ -193,6 +196,8 @@ void dl_model_free(dl_model *model) {
         free(priv->place);
         free(priv->shift);
         free(priv->pair_force);
+        free(priv->jump);
+        free(priv->jump_force);
         free(priv->column_start);
         free(priv->row);
     }
@@ -317,6 +322,8 @@ static dl_status accelerate_discrete(dl_model *model, const double *q, const dou
 dl_status dl_model_acceleration(dl_model *model, const double *q, double *a, dl_error *error) {
     model->counts.force++;
     const dl_status status = model->acceleration(model, q, a, error);
+    if (model->locks && status == DL_OK)
+        dl_locks_add_acceleration(model, q, a);
     if (model->held)
         hold(model, a);
     return status;
@@ -331,6 +338,8 @@ dl_status dl_model_discrete_acceleration(dl_model *model, const double *q, const
                                          double *a, dl_error *error) {
     model->counts.force++;
     const dl_status status = model->discrete_acceleration(model, q, delta, a, error);
+    if (model->locks && status == DL_OK)
+        dl_locks_add_discrete(model, q, delta, a);
     if (model->held)
         hold(model, a);
     return status;

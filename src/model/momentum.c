@@ -57,6 +57,53 @@ void dl_model_momentum(const dl_model *model, const double *y, double linear[3],
     }
 }
 
+static bool differs(const dl_model *model, const double *y0, const double *y1, size_t k) {
+    bool differ = false;
+    for (size_t i = k; i < 2 * model->unknowns; i += model->moving)
+        differ |= y0[i] != y1[i];
+    return differ;
+}
+
+static void linear_change(const dl_model *model, const double *y0, const double *y1,
+                          double linear[3]) {
+    const double *v0 = y0 + model->unknowns, *v1 = y1 + model->unknowns;
+    for (size_t c = 0; c < 3; c++) {
+        long double sum = 0;
+        for (size_t k = 0; c < (size_t)model->dimension && k < model->moving; k++) {
+            const long double from = v0[c * model->moving + k], to = v1[c * model->moving + k];
+            if (to != from)
+                sum += model->priv->inertia[k] * (to - from);
+        }
+        linear[c] = (double)sum;
+    }
+}
+
+/* About a mass centre that does not move between y0 and y1 the frame's velocity drops out. */
+static void angular_change(const dl_model *model, const double *y0, const double *y1,
+                           double angular[3]) {
+    static const long double at_rest[3] = {0, 0, 0};
+    long double sum[3] = {0, 0, 0}, place[3], velocity[3];
+    angular_frame(model, y0, place, velocity);
+    for (size_t k = 0; k < model->moving; k++) {
+        long double p[3], from[3], to[3];
+        if (!differs(model, y0, y1, k))
+            continue;
+        terms(model, y0, k, place, at_rest, p, from);
+        terms(model, y1, k, place, at_rest, p, to);
+        for (int c = 0; c < 3; c++)
+            sum[c] += to[c] - from[c];
+    }
+    for (int c = 0; c < 3; c++)
+        angular[c] = (double)sum[c];
+}
+
+void dl_model_momentum_change(const dl_model *model, const double *y0, const double *y1,
+                              double linear[3], double *angular) {
+    linear_change(model, y0, y1, linear);
+    if (angular)
+        angular_change(model, y0, y1, angular);
+}
+
 static long double modulus(const long double v[3]) {
     return hypotl(hypotl(v[0], v[1]), v[2]);
 }

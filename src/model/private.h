@@ -5,6 +5,7 @@
 #include "driftlab/model.h"
 #include "force/kernel.h"
 #include "force/law.h"
+#include "model/locks.h"
 
 struct dl_model_private {
     dl_law *law;             /* [species * species], or one */
@@ -19,6 +20,9 @@ struct dl_model_private {
     double *place;           /* [dimension * particles]: pinned ones filled in; NULL: no pins */
     double *shift;           /* the same for displacements, 0 for pinned ones; NULL: no pins */
     double *pair_force; /* [dimension * particles]; NULL: no pins, forces go to the caller's a */
+    /* scratch of dl_model_energy_change; NULL until it is asked for */
+    double *jump;       /* [unknowns] */
+    double *jump_force; /* [dimension * particles] */
     const dl_vector_ops *vector;
     /* Jacobian's pattern, jacobian.c */
     bool has_pattern; /* sparsity is that of rows */
@@ -27,6 +31,7 @@ struct dl_model_private {
     size_t row_capacity;
     unsigned long rows_generation;
     dl_pair_rows rows;
+    unsigned long locks_generation; /* 0: nothing was locked */
 };
 
 /* The positions of all particles: q itself where nothing is pinned. */
@@ -38,6 +43,7 @@ const double *dl_model_shifts(dl_model *model, const double *delta);
 typedef struct dl_pair {
     size_t i, j;
     const dl_law *law;
+    dl_law_range range;       /* of its pieces: all, where the pair is not locked */
     double coupling;          /* coupling_i coupling_j */
     double d[3], s;           /* separation r_i - r_j and its square */
     double change[3], s1, ds; /* with a delta: change of d, square at the end, s1 - s */
@@ -51,5 +57,22 @@ typedef void dl_pair_visitor(const dl_model *model, const dl_pair *pair, void *c
  * the start and for that nearest at the end (force/kernel_reference.c says why). */
 dl_status dl_model_visit_pairs(dl_model *model, const double *x, const double *delta,
                                dl_pair_visitor *visit, void *context, dl_error *error);
+
+/* A locked pair as the lock means it, at x; and whether there, or over its step, the lock changes
+ * nothing. */
+dl_pair dl_model_locked_pair(const dl_model *model, const dl_lock *lock, const double *x,
+                             const double *delta);
+bool dl_model_lock_agrees(const dl_model *model, const dl_lock *lock, const double *x);
+bool dl_model_lock_agrees_over_step(const dl_model *model, const dl_lock *lock,
+                                    const dl_pair *pair);
+
+/* Calls `visit` for the pair as it is locked, with delta for each copy that may act. */
+void dl_model_visit_lock(const dl_model *model, const dl_lock *lock, const double *x,
+                         const double *delta, dl_pair_visitor *visit, void *context);
+
+/* What locks change in a sum over pairs: for each that does, `visit` is called for the pair as
+ * dl_model_visit_pairs has it, with its coupling's sign turned, and for the pair as it is locked. */
+void dl_model_visit_locks(const dl_model *model, const double *x, const double *delta,
+                          dl_pair_visitor *visit, void *context);
 
 #endif

@@ -13,9 +13,10 @@ typedef struct quantities {
 
 struct dl_observer {
     dl_model *model;
-    double *y;                /* [2 * unknowns] */
-    double *y_all;            /* [2 * dimension * particles] */
-    quantities start, before; /* at t = 0; before the jump under way */
+    double *y;        /* [2 * unknowns] */
+    double *y_before; /* [2 * unknowns]: before the jump under way */
+    double *y_all;    /* [2 * dimension * particles] */
+    quantities start; /* at t = 0 */
     long double ledger;
     long double impulse[3], angular_impulse[3]; /* that the walls have taken */
     double gravity_force[3];
@@ -38,9 +39,10 @@ dl_status dl_observer_create(const dl_scene *scene, bool ledger, dl_observer **o
     }
     const dl_model *model = created->model;
     created->y = malloc(2 * model->unknowns * sizeof *created->y);
+    created->y_before = malloc(2 * model->unknowns * sizeof *created->y_before);
     created->y_all =
         malloc(2 * (size_t)model->dimension * model->particles * sizeof *created->y_all);
-    if (!created->y || !created->y_all) {
+    if (!created->y || !created->y_before || !created->y_all) {
         dl_observer_free(created);
         return dl_fail_memory(error, "the observation of a run");
     }
@@ -54,6 +56,7 @@ void dl_observer_free(dl_observer *observer) {
         return;
     dl_model_free(observer->model);
     free(observer->y);
+    free(observer->y_before);
     free(observer->y_all);
     free(observer);
 }
@@ -73,13 +76,18 @@ static long double kinetic_energy(const dl_scene *scene, const double *y_all) {
     return sum;
 }
 
-static dl_status measure(dl_observer *observer, dl_method *method, quantities *measured,
-                         dl_error *error) {
-    /* A method that needs a force to tell its state takes it from the observer's model. */
+/* A method that needs a force to tell its state takes it from the observer's model. */
+static dl_status take_state(dl_observer *observer, dl_method *method, double *y, dl_error *error) {
     dl_model *integrated = method->model;
     method->model = observer->model;
-    dl_status status = dl_method_state(method, observer->y, error);
+    const dl_status status = dl_method_state(method, y, error);
     method->model = integrated;
+    return status;
+}
+
+static dl_status measure(dl_observer *observer, dl_method *method, quantities *measured,
+                         dl_error *error) {
+    dl_status status = take_state(observer, method, observer->y, error);
     if (!status)
         status = dl_model_energy(observer->model, observer->y, &measured->energy, error);
     if (status)
@@ -155,21 +163,27 @@ dl_status dl_observer_before_jump(dl_observer *observer, dl_method *method, dl_e
         observer->missed = true;
         return DL_OK;
     }
-    return measure(observer, method, &observer->before, error);
+    return take_state(observer, method, observer->y_before, error);
 }
 
 dl_status dl_observer_after_jump(dl_observer *observer, dl_method *method, dl_error *error) {
-    const quantities *const before = &observer->before;
-    quantities after;
+    dl_energy energy;
+    double linear[3], angular[3] = {0};
+    const bool turns = dl_model_conserves_angular_momentum(observer->model);
     if (!observer->books)
         return DL_OK;
-    const dl_status status = measure(observer, method, &after, error);
+    dl_status status = take_state(observer, method, observer->y, error);
+    if (!status)
+        status = dl_model_energy_change(observer->model, observer->y_before, observer->y, &energy,
+                                        error);
     if (status)
         return status;
-    observer->ledger -= energy_change(before, &after);
+    dl_model_momentum_change(observer->model, observer->y_before, observer->y, linear,
+                             turns ? angular : NULL);
+    observer->ledger -= (long double)energy.kinetic + energy.pair + energy.gravity;
     for (size_t k = 0; k < 3; k++) {
-        observer->impulse[k] += (long double)before->linear[k] - after.linear[k];
-        observer->angular_impulse[k] += (long double)before->angular[k] - after.angular[k];
+        observer->impulse[k] -= linear[k];
+        observer->angular_impulse[k] -= angular[k];
     }
     return DL_OK;
 }

@@ -19,8 +19,8 @@
 
 typedef struct dl_observer dl_observer;
 
-/* Without a ledger jumps are not booked, which saves two energies each: after the first one there
- * are no errors, NaN. */
+/* Without a ledger jumps are not booked, which saves a change of energy each: after the first one
+ * there are no errors, NaN. */
 dl_status dl_observer_create(const dl_scene *scene, bool ledger, dl_observer **observer,
                              dl_error *error);
 void dl_observer_free(dl_observer *observer);

@@ -104,6 +104,7 @@ static void put_costs(builder *build, json_t *object, const dl_run_summary *summ
         {"factorisations", summary->factorisations},
         {"neighbour_list_builds", summary->neighbour_list_builds},
         {"wall_hits", summary->wall_hits},
+        {"crossings", summary->crossings},
     };
     for (size_t i = 0; i < sizeof table / sizeof *table; i++)
         put(build, object, table[i].name, json_integer((json_int_t)table[i].count));

@@ -30,7 +30,8 @@ static dl_status read_terms(const dl_yaml *yaml, const dl_yaml_node *piece_node,
     return status;
 }
 
-/* Where the piece begins, ends and how: a width belongs to a taper alone. */
+/* Where the piece begins, ends and how: a width belongs to a taper alone, and what is located is an
+ * end that is not smooth. */
 static dl_status check_end(const dl_yaml *yaml, const dl_yaml_node *node, double begin,
                            const dl_scene_piece_values *values, dl_error *error) {
     const dl_yaml_node *const width = dl_yaml_get(node, "width");
@@ -49,6 +50,12 @@ static dl_status check_end(const dl_yaml *yaml, const dl_yaml_node *node, double
         snprintf(expected, sizeof expected, "less than %s, the length of the piece", length);
         return dl_yaml_fail(yaml, width, "width", expected, error);
     }
+    if (values->located && (isinf(values->until) || values->end == DL_END_TAPER))
+        return dl_yaml_fail(yaml, dl_yaml_get(node, "located"), "located",
+                            isinf(values->until)
+                                ? "false: the piece never ends (it has no until)"
+                                : "false: a taper is smooth, steps pass through it",
+                            error);
     return DL_OK;
 }
 
@@ -72,6 +79,7 @@ static dl_status read_piece(const dl_yaml *yaml, const dl_yaml_node *node, doubl
     piece->until = values.until;
     piece->end = (dl_piece_end)values.end;
     piece->width = values.end == DL_END_TAPER ? values.width : 0;
+    piece->located = values.located;
     return read_terms(yaml, node, piece, error);
 }
 

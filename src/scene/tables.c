@@ -247,6 +247,14 @@ static const dl_parameter piece_rows[] = {
      .above_minimum = true,
      .fallback = "none",
      .doc = "of the taper before the piece's end, less than the piece is long"},
+    {.name = "located",
+     .kind = DL_FLAG,
+     .offset = offsetof(dl_scene_piece_values, located),
+     .unit = "",
+     .fallback = "false",
+     .doc =
+         "true: a step in which a pair crosses the piece's end, hard or shifted, is cut short at "
+         "that time, so that no step has a jump in it and methods keep their order"},
 };
 
 const dl_scene_section dl_section_piece = {

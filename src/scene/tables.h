@@ -30,6 +30,7 @@ typedef struct dl_scene_piece_values {
     double until;
     int end;
     double width; /* INFINITY: not given */
+    bool located;
 } dl_scene_piece_values;
 
 /* Of one particle or of a whole file of them. */

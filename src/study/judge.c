@@ -10,6 +10,13 @@ static const double resolution = 3;
  * sampling that chose a good part of them. */
 static const unsigned long steps_between_samples = 3;
 
+/* An event that is located, of which a hit may be one, cuts a step in two. */
+static bool steps_make_up(const dl_run_summary *run, double end) {
+    const double time = (double)run->steps * run->step;
+    const unsigned long events = run->wall_hits + run->contacts + run->releases + run->crossings;
+    return time >= end * (1 - 1e-6) && time <= end * (1 + 1e-6) + (double)events * run->step;
+}
+
 void dl_study_judge_run(const dl_case *measured, double end, long intervals, char *reason,
                         size_t size) {
     const dl_run_summary *run = &measured->summary;
@@ -18,7 +25,7 @@ void dl_study_judge_run(const dl_case *measured, double end, long intervals, cha
         return;
     if (!(fabs(run->t_end_reached - end) <= 1e-9 * end))
         snprintf(reason, size, "the run ended at t = %.6g of %.6g", run->t_end_reached, end);
-    else if (run->step > 0 && !(fabs((double)run->steps * run->step - end) <= 1e-6 * end))
+    else if (run->step > 0 && !steps_make_up(run, end))
         snprintf(reason, size, "%lu steps of %.6g do not make up the time %.6g", run->steps,
                  run->step, end);
     else if (run->step == 0 && run->steps < steps_between_samples * (unsigned long)intervals)

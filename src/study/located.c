@@ -1,5 +1,6 @@
 #include "study/located.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,10 +22,15 @@ static dl_status allocate(dl_located *located, dl_error *error) {
     located->touched = calloc(n, sizeof *located->touched);
     const bool dense = located->method->row->ops->dense != NULL;
     if (dense)
-        located->derivatives = calloc((dl_path_degree + 1) * n, sizeof(double));
+        located->derivatives = calloc((dl_dense_degree + 1) * n, sizeof(double));
     if (!located->y0 || !located->a0 || !located->a1 || !located->a_before || !located->scratch ||
         !located->touched || (dense && !located->derivatives))
-        return dl_fail_memory(error, "located walls");
+        return dl_fail_memory(error, "located events");
+    if (located->model->locates_crossings) {
+        const dl_status status = dl_crossings_create(&located->crossings, located->model, error);
+        if (status)
+            return status;
+    }
     return dl_contacts_create(&located->contacts, located->model, error);
 }
 
@@ -33,7 +39,7 @@ dl_status dl_located_create(dl_method *method, dl_observer *observer, dl_stopwat
     *located = NULL;
     dl_located *const made = calloc(1, sizeof *made);
     if (!made)
-        return dl_fail_memory(error, "located walls");
+        return dl_fail_memory(error, "located events");
     made->method = method;
     made->model = method->model;
     made->observer = observer;
@@ -52,6 +58,7 @@ void dl_located_free(dl_located *located) {
     if (!located)
         return;
     dl_contacts_free(&located->contacts);
+    dl_crossings_free(&located->crossings);
     double *const arrays[] = {located->y0,       located->a0,          located->a1,
                               located->a_before, located->derivatives, located->scratch};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
@@ -118,6 +125,21 @@ dl_status dl_located_state_at(dl_located *located, double t, dl_error *error) {
     return status;
 }
 
+dl_status dl_located_take_derivatives(dl_located *located, int *degree, dl_error *error) {
+    dl_method *const method = located->method;
+    const dl_method_ops *const ops = method->row->ops;
+    if (!ops->dense)
+        return DL_OK;
+    *degree = ops->dense_degree(method);
+    dl_status status = DL_OK;
+    for (int k = 0; k <= *degree && !status; k++) {
+        status = ops->dense(method, method->t, k, located->scratch, error);
+        memcpy(located->derivatives + (size_t)k * method->n, located->scratch,
+               method->n * sizeof *located->scratch);
+    }
+    return status;
+}
+
 /* --- a step -------------------------------------------------------------------------------------
  */
 
@@ -129,12 +151,16 @@ static dl_status count_event(dl_located *located, dl_error *error) {
     }
     if (++located->events <= most_events)
         return DL_OK;
-    return dl_fail(
-        error, DL_STEP_FAILURE,
-        "more than %lu wall hits and contacts in one time step, from t = %.17g to %.17g: "
-        "they accumulate without coming to rest (walls: rest is %g, damping is %g)",
-        most_events, located->window, t, located->model->scene->walls.rest,
-        located->model->scene->walls.damping);
+    const dl_walls *const walls = &located->model->scene->walls;
+    char why[120] = "a pair does not leave its breakpoint";
+    if (located->model->locates_hits)
+        snprintf(why, sizeof why,
+                 "they accumulate without coming to rest (walls: rest is %g, damping is %g)",
+                 walls->rest, walls->damping);
+    return dl_fail(error, DL_STEP_FAILURE,
+                   "more than %lu wall hits, contacts and crossings in one time step, from "
+                   "t = %.17g to %.17g: %s",
+                   most_events, located->window, t, why);
 }
 
 static dl_status current_acceleration(dl_located *located, dl_error *error) {
@@ -146,47 +172,120 @@ static dl_status current_acceleration(dl_located *located, dl_error *error) {
     return status;
 }
 
-/* Looks at the step that was taken. Where something happened in it, goes there and lets it happen.
- */
-static dl_status examine(dl_located *located, bool *happened, dl_error *error) {
-    dl_method *const method = located->method;
-    const bool near = dl_located_any_is_near(located, method->t - located->t0);
-    *happened = false;
-    if (!near && located->contacts.count == 0) {
+/* Where something may have happened in the step. */
+typedef struct suspicion {
+    bool hits, crossings;
+} suspicion;
+
+static dl_status suspect(dl_located *located, suspicion *suspected, dl_error *error) {
+    const dl_model *const model = located->model;
+    const double h = located->method->t - located->t0;
+    dl_status status = DL_OK;
+    if (model->locates_crossings)
+        status = dl_located_watch_step(located, error);
+    suspected->hits = model->locates_hits && dl_located_any_is_near(located, h);
+    suspected->crossings = !status && model->locates_crossings && dl_located_any_may_cross(located);
+    return status;
+}
+
+/* A dense output needs no accelerations, but for particles on walls. */
+static dl_status accelerations(dl_located *located, suspicion suspected, dl_error *error) {
+    if (located->method->row->ops->dense && !suspected.hits && located->contacts.count == 0) {
         located->a0_is_current = false;
-        located->h_before = 0;
         return DL_OK;
     }
-    dl_hit hit = {.found = false, .t = method->t};
-    dl_status status = current_acceleration(located, error);
-    if (!status)
-        status = dl_contacts_acceleration(&located->contacts, method->y, located->a1, error);
-    if (!status && near)
-        status = dl_located_find_hit(located, &hit, error);
-    if (!status && hit.found) {
-        status = dl_located_go_to_hit(located, &hit, error);
-        if (!status && located->contacts.count)
-            status = dl_contacts_acceleration(&located->contacts, method->y, located->a1, error);
-    }
-    bool released = false;
-    if (!status)
-        status = dl_located_find_release(located, hit.t, &released, error);
-    *happened = hit.found || released;
-    if (!status && *happened)
-        status = count_event(located, error);
+    const dl_status status = current_acceleration(located, error);
+    return status ? status
+                  : dl_contacts_acceleration(&located->contacts, located->method->y, located->a1,
+                                             error);
+}
+
+/* The earliest event by the step's paths. */
+static dl_status find_first(dl_located *located, suspicion suspected, dl_event *event,
+                            dl_error *error) {
+    int degree = 0;
+    if (!suspected.hits && !suspected.crossings)
+        return DL_OK;
+    const dl_status status = dl_located_take_derivatives(located, &degree, error);
     if (status)
         return status;
-    if (*happened)
-        located->h_before = 0;
+    if (suspected.hits)
+        dl_located_find_hit(located, degree, event);
+    if (suspected.crossings)
+        dl_located_find_crossing(located, degree, event);
+    return DL_OK;
+}
+
+/* Events less apart than the paths' error: of one that is found to have come before, so many times
+ * in a row. */
+enum { most_overtaken = 8 };
+
+static dl_status go_to(dl_located *located, dl_event *event, dl_error *error) {
+    for (int i = 0; i < most_overtaken; i++) {
+        const dl_status status = event->kind == DL_HIT
+                                     ? dl_located_go_to_hit(located, event, error)
+                                     : dl_located_go_to_crossing(located, event, error);
+        if (status || !located->model->locates_crossings || event->t == located->t0 ||
+            !(dl_located_has_crossed_before(located, event) ||
+              dl_located_has_hit_before(located, event)))
+            return status;
+    }
+    return DL_OK;
+}
+
+static dl_status happen(dl_located *located, const dl_event *event, bool released,
+                        dl_error *error) {
+    const dl_status status = count_event(located, error);
+    located->h_before = 0;
+    if (status)
+        return status;
     if (released)
         return dl_located_release(located, error);
-    if (hit.found)
-        return dl_located_collide(located, &hit, error);
+    return event->kind == DL_HIT ? dl_located_collide(located, event, error)
+                                 : dl_located_cross(located, event, error);
+}
+
+/* Of a step in which nothing happened: its end is the next one's start. */
+static void keep_accelerations(dl_located *located) {
+    located->h_before = located->a0_is_current ? located->method->t - located->t0 : 0;
     double *const swap = located->a_before;
     located->a_before = located->a0;
     located->a0 = located->a1;
     located->a1 = swap;
-    located->h_before = method->t - located->t0;
+}
+
+/* Looks at the step that was taken. Where something happened in it, goes there and lets it happen.
+ */
+static dl_status examine(dl_located *located, bool *happened, dl_error *error) {
+    dl_method *const method = located->method;
+    suspicion suspected;
+    *happened = false;
+    dl_status status = suspect(located, &suspected, error);
+    if (status)
+        return status;
+    if (!suspected.hits && !suspected.crossings && located->contacts.count == 0) {
+        located->a0_is_current = false;
+        located->h_before = 0;
+        return DL_OK;
+    }
+    dl_event event = {.kind = DL_NO_EVENT, .t = method->t};
+    bool released = false;
+    status = accelerations(located, suspected, error);
+    if (!status)
+        status = find_first(located, suspected, &event, error);
+    if (!status && event.kind != DL_NO_EVENT) {
+        status = go_to(located, &event, error);
+        if (!status && located->contacts.count)
+            status = dl_contacts_acceleration(&located->contacts, method->y, located->a1, error);
+    }
+    if (!status)
+        status = dl_located_find_release(located, event.t, &released, error);
+    if (status)
+        return status;
+    *happened = event.kind != DL_NO_EVENT || released;
+    if (*happened)
+        return happen(located, &event, released, error);
+    keep_accelerations(located);
     return DL_OK;
 }
 
@@ -230,9 +329,16 @@ dl_status dl_located_step(dl_located *located, double t_stop, dl_error *error) {
 
 dl_status dl_located_restart(dl_located *located, dl_error *error) {
     const size_t n = located->model->unknowns;
-    const dl_hit nothing = {.found = false};
+    const dl_event nothing = {.kind = DL_NO_EVENT};
     located->a0_is_current = false;
     located->h_before = 0;
+    if (located->model->locates_crossings) {
+        const dl_status status = dl_located_watch_anew(located, error);
+        if (status)
+            return status;
+    }
+    if (!located->model->locates_hits)
+        return DL_OK;
     for (size_t u = 0; u < n; u++)
         if (dl_contacts_hold(&located->contacts, u) && located->method->y[n + u] != 0)
             for (size_t c = u % located->model->moving; c < n; c += located->model->moving)

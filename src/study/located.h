@@ -1,4 +1,6 @@
-/* Walls by the rule `located`, for every method.
+/* Events within steps, for every method: hits of walls by the rule `located`, contacts that end,
+ * and pairs that cross a breakpoint of their law that is `located`. Of several the earliest comes
+ * first.
  *
  * Hits. After each step the way of every coordinate near a wall is looked at as a polynomial: the
  * method's own dense output where it has one, the quintic Hermite polynomial through q, v, a of the
@@ -19,6 +21,13 @@
  * and only what is not resolved rests. A particle that begins on a wall without normal velocity,
  * pressed to it, rests from the start.
  *
+ * Crossings. Pairs near such a breakpoint are locked to the side that they are on
+ * (study/crossings.h), so that the step that crosses it, by which the crossing is found, is as
+ * smooth as others; the square of the distance, from the same polynomials, is the path. There the
+ * lock is turned over and the method starts anew, once again to roundoff: the state is on the
+ * breakpoint, the pair on the new side of it. Nothing jumps but the acceleration, and the ledger
+ * books nothing. A pair that grazes a breakpoint and turns back within a step crosses it twice.
+ *
  * What rests has no part in the error control of methods that choose their steps: while anything
  * does, these are no longer than the scene's step. */
 #ifndef DL_STUDY_LOCATED_H
@@ -31,7 +40,7 @@
 typedef struct dl_located dl_located;
 
 typedef struct dl_located_counts {
-    unsigned long hits, contacts, releases;
+    unsigned long hits, contacts, releases, crossings;
     unsigned long discarded; /* steps that were taken and thrown away */
 } dl_located_counts;
 
@@ -41,8 +50,9 @@ dl_status dl_located_create(dl_method *method, dl_observer *observer, dl_stopwat
                             dl_located **located, dl_error *error);
 void dl_located_free(dl_located *located);
 
-/* The state was set, or changed, by something else (it is the initial one; radiation was):
- * particles on a wall hit it, rest on it or leave it. */
+/* The state was set, or changed, by something else (it is the initial one; radiation or a mirror
+ * was): particles on a wall hit it, rest on it or leave it, and pairs are on the side of their
+ * breakpoints where they are. */
 dl_status dl_located_restart(dl_located *located, dl_error *error);
 
 /* One step of the method's own: a fixed one to the next time of the grid; otherwise one that ends

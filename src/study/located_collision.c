@@ -16,34 +16,38 @@ static bool is_last_flight(const dl_located *located, size_t u, dl_side side, do
 
 /* A coordinate on or beyond the wall is put on it and, where it is on its way out, bounces. The
  * target of an event is where the wall is but for roundoff, on whichever side. */
-static void touch(dl_located *located, size_t u, dl_side side, bool is_target) {
+static void touch(dl_located *located, size_t u, dl_side side, bool gone_to) {
     dl_method *const method = located->method;
     const size_t n = method->n, moving = located->model->moving;
     double *const v = method->y + n;
     const double d = dl_located_distance(located->model, method->y, u, side);
     const double rate = dl_wall_away(side, v[u]);
-    if (!(d <= 0) && !is_target)
+    if (!(d <= 0) && !gone_to)
         return;
     if (rate >= 0 && (d > 0 || (d == 0 && rate > 0)))
         return; /* it turns back before the wall, or has just left it */
     method->y[u] = dl_wall_place(located->model, u, side);
     located->touched[u] = (signed char)side;
-    if (rate > 0 && is_target)
+    if (rate > 0 && gone_to)
         v[u] = -v[u]; /* a grazing hit, seen after its turn */
-    if (rate < 0 || (rate > 0 && is_target)) {
+    if (rate < 0 || (rate > 0 && gone_to)) {
         dl_wall_rebound(located->model, v, u % moving, u / moving);
         located->counts.hits++;
     }
 }
 
-static void touch_all(dl_located *located, const dl_hit *target) {
+static bool is_target(const dl_event *target, size_t u) {
+    return target->kind == DL_HIT && target->which == u;
+}
+
+static void touch_all(dl_located *located, const dl_event *target) {
     const dl_model *const model = located->model;
     memset(located->touched, 0, model->unknowns * sizeof *located->touched);
     for (size_t u = 0; u < model->unknowns; u++)
         for (size_t s = 0; s < 2; s++)
             if (!dl_contacts_hold(&located->contacts, u))
                 touch(located, u, dl_located_sides[s],
-                      target->found && target->u == u && target->side == dl_located_sides[s]);
+                      is_target(target, u) && target->side == dl_located_sides[s]);
 }
 
 /* Rests, or flies: a0 is the acceleration there. `forced`: the path leaves at once although neither
@@ -61,7 +65,7 @@ static void rest_or_fly(dl_located *located, size_t u, bool forced) {
     }
 }
 
-static dl_status collide(dl_located *located, const dl_hit *target, dl_error *error) {
+static dl_status collide(dl_located *located, const dl_event *target, dl_error *error) {
     dl_method *const method = located->method;
     touch_all(located, target);
     located->a0_is_current = false;
@@ -72,11 +76,11 @@ static dl_status collide(dl_located *located, const dl_hit *target, dl_error *er
     located->a0_is_current = true;
     for (size_t u = 0; u < method->n; u++)
         if (located->touched[u] && !dl_contacts_hold(&located->contacts, u))
-            rest_or_fly(located, u, target->found && target->u == u && target->t == located->t0);
+            rest_or_fly(located, u, is_target(target, u) && target->t == located->t0);
     return dl_method_jumped(method, error);
 }
 
-dl_status dl_located_collide(dl_located *located, const dl_hit *target, dl_error *error) {
+dl_status dl_located_collide(dl_located *located, const dl_event *target, dl_error *error) {
     if (!located->observer)
         return collide(located, target, error);
     const unsigned long contacts = located->counts.contacts;

@@ -1,4 +1,4 @@
-/* The parts of located walls (study/located.h) and what they share. */
+/* The parts of located events (study/located.h) and what they share. */
 #ifndef DL_STUDY_LOCATED_PARTS_H
 #define DL_STUDY_LOCATED_PARTS_H
 
@@ -8,15 +8,19 @@
 #include <stddef.h>
 
 #include "model/contact.h"
+#include "study/crossings.h"
 #include "study/located.h"
 #include "study/path.h"
 
-typedef struct dl_hit {
-    bool found;
+typedef enum dl_event_kind { DL_NO_EVENT, DL_HIT, DL_CROSSING } dl_event_kind;
+
+typedef struct dl_event {
+    dl_event_kind kind;
     double t;
-    size_t u; /* coordinate */
-    dl_side side;
-} dl_hit;
+    size_t which;   /* coordinate of a hit; watched pair of a crossing */
+    dl_side side;   /* wall; end of the pair's range */
+    double copy[3]; /* of the pair, in a periodic box: what is taken off its separation */
+} dl_event;
 
 struct dl_located {
     dl_method *method;
@@ -24,14 +28,15 @@ struct dl_located {
     dl_observer *observer;
     dl_stopwatch *watch;
     dl_contacts contacts;
-    double step; /* the scale of times: the fixed step, or else the scene's */
+    dl_crossings crossings; /* all 0 where none are located */
+    double step;            /* the scale of times: the fixed step, or else the scene's */
     unsigned long grid;
     double t0, *y0;  /* state at the start of the step, [2 n] */
     double *a0, *a1; /* accelerations, as if nothing were held, at the step's ends, [n] */
     bool a0_is_current;
     double *a_before;     /* the same at the start of the step before */
     double h_before;      /* length of that step; 0: an event has ended it, or a0 was not known */
-    double *derivatives;  /* [(dl_path_degree + 1) * n]: of the coordinates, from a dense output */
+    double *derivatives;  /* [(dl_dense_degree + 1) * n]: of the coordinates, from a dense output */
     double *scratch;      /* [2 n] */
     signed char *touched; /* [n]: the dl_side at which an event has found the coordinate */
     double window;        /* start of the time step in which `events` are counted */
@@ -50,6 +55,19 @@ static inline double dl_located_resolution(double t) {
 
 /* The method's own state at a time within the step, into its t and y. */
 dl_status dl_located_state_at(dl_located *located, double t, dl_error *error);
+
+/* *event becomes `found`, at the part `exit` of the step, where that comes before it. */
+static inline void dl_located_take_if_earlier(const dl_located *located, double exit,
+                                              dl_event found, dl_event *event) {
+    const double end = located->method->t;
+    found.t = exit < 1 ? located->t0 + exit * (end - located->t0) : end;
+    if (exit <= 1 && (event->kind == DL_NO_EVENT || found.t < event->t))
+        *event = found;
+}
+
+/* The derivatives of the dense output at the end of the step, and its degree; nothing where the
+ * method has none. */
+dl_status dl_located_take_derivatives(dl_located *located, int *degree, dl_error *error);
 
 /* --- located_hits.c -----------------------------------------------------------------------------
  */
@@ -72,12 +90,42 @@ static inline double dl_located_distance(const dl_model *model, const double *q,
 /* Whether a coordinate may have been beyond a wall in a step of length h. */
 bool dl_located_any_is_near(const dl_located *located, double h);
 
-/* The earliest hit of the step from t0 to the method's t; a0 and a1 are current. */
-dl_status dl_located_find_hit(dl_located *located, dl_hit *hit, dl_error *error);
+/* The earliest hit of the step from t0 to the method's t, in the place of *event where it comes
+ * before that; a0 and a1 are current. `degree` is that of the derivatives. */
+void dl_located_find_hit(dl_located *located, int degree, dl_event *event);
 
 /* Goes to the hit, and improves its time by Newton's method until the method's own state is on the
  * wall, or gets no nearer: a grazing one, whose time is not determined better. */
-dl_status dl_located_go_to_hit(dl_located *located, dl_hit *hit, dl_error *error);
+dl_status dl_located_go_to_hit(dl_located *located, dl_event *hit, dl_error *error);
+
+/* Whether a coordinate is beyond a wall at the method's state, by more than roundoff, and on its
+ * way: it has hit the wall before, which becomes *event. */
+bool dl_located_has_hit_before(const dl_located *located, dl_event *event);
+
+/* --- located_crossings.c ------------------------------------------------------------------------
+ */
+
+/* The state was set or changed: all pairs are looked at. */
+dl_status dl_located_watch_anew(dl_located *located, dl_error *error);
+
+/* After a step: whatever may have crossed in it is watched. */
+dl_status dl_located_watch_step(dl_located *located, dl_error *error);
+
+/* Whether any watched pair may have crossed in the step: those are marked. */
+bool dl_located_any_may_cross(dl_located *located);
+
+/* The earliest crossing of the step, as dl_located_find_hit; without dense output a0 and a1 are
+ * current. */
+void dl_located_find_crossing(dl_located *located, int degree, dl_event *event);
+
+/* Goes to the crossing and improves its time until the pair is on the breakpoint. */
+dl_status dl_located_go_to_crossing(dl_located *located, dl_event *crossing, dl_error *error);
+
+/* As dl_located_has_hit_before, for pairs. */
+bool dl_located_has_crossed_before(const dl_located *located, dl_event *event);
+
+/* The locks of the pair, and of every other that crosses there too, are turned over. */
+dl_status dl_located_cross(dl_located *located, const dl_event *crossing, dl_error *error);
 
 /* --- located_collision.c ------------------------------------------------------------------------
  */
@@ -86,8 +134,8 @@ dl_status dl_located_go_to_hit(dl_located *located, dl_hit *hit, dl_error *error
 bool dl_located_any_touches(const dl_located *located);
 
 /* Every coordinate on or beyond a wall bounces or comes to rest, booked; what the booking costs is
- * not timed. `target` is the hit that was gone to, if it was found. */
-dl_status dl_located_collide(dl_located *located, const dl_hit *target, dl_error *error);
+ * not timed. `target` is the hit that was gone to, if there was one. */
+dl_status dl_located_collide(dl_located *located, const dl_event *target, dl_error *error);
 
 /* --- located_release.c --------------------------------------------------------------------------
  */

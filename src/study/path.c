@@ -45,8 +45,29 @@ void dl_path_taylor(dl_path *path, double h, int degree, const double *derivativ
     const double n = path->degree;
     path->b[0] = start.d;
     path->b[1] = start.d + h * start.rate / n;
-    if (start.d == 0 && start.rate == 0)
+    if (start.d == 0 && start.rate == 0 && !isnan(start.curvature))
         path->b[2] = h * h * start.curvature / (n * (n - 1));
+}
+
+void dl_path_add_square(dl_path *sum, const dl_path *path) {
+    /* C(n,i) C(n,k-i) / C(2n,k) b_i b_(k-i) */
+    const int n = path->degree;
+    double scaled[dl_dense_degree + 1], binomial = 1;
+    for (int k = 1; k <= 2 * n && sum->degree == 0; k++)
+        sum->b[k] = sum->b[0];
+    sum->degree = 2 * n;
+    for (int i = 0; i <= n; i++) {
+        scaled[i] = binomial * path->b[i];
+        binomial *= (double)(n - i) / (double)(i + 1);
+    }
+    double whole = 1; /* C(2n,k) */
+    for (int k = 0; k <= 2 * n; k++) {
+        double product = 0;
+        for (int i = k > n ? k - n : 0; i <= (k < n ? k : n); i++)
+            product += scaled[i] * scaled[k - i];
+        sum->b[k] += product / whole;
+        whole *= (double)(2 * n - k) / (double)(k + 1);
+    }
 }
 
 /* --- de Casteljau -------------------------------------------------------------------------------
@@ -59,6 +80,17 @@ double dl_path_value(const dl_path *path, double s) {
         for (int i = 0; i < level; i++)
             b[i] += s * (b[i + 1] - b[i]);
     return b[0];
+}
+
+void dl_path_cut(dl_path *path, double s) {
+    double b[dl_path_degree + 1];
+    memcpy(b, path->b, sizeof b);
+    for (int level = path->degree; level > 0; level--) {
+        path->b[path->degree - level] = b[0];
+        for (int i = 0; i < level; i++)
+            b[i] += s * (b[i + 1] - b[i]);
+    }
+    path->b[path->degree] = b[0];
 }
 
 static void halve(const dl_path *path, dl_path *left, dl_path *right) {

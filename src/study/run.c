@@ -32,7 +32,8 @@ typedef struct run {
     double *y;             /* [2 * unknowns]: the state at the end */
     dl_schedule schedule;
     dl_jumps jumps;
-    dl_located *located; /* NULL: the walls' rule is another, or there are none */
+    dl_located *located; /* NULL: no hits nor crossings are located */
+    bool mirrors;        /* the walls' rule is `mirror` */
     size_t steps_done;   /* of a fixed step */
     double energy_bound;
     double began; /* CPU clock */
@@ -100,7 +101,10 @@ static dl_status mirror(run *r, dl_error *error) {
     dl_method *method = r->method;
     const size_t hits = dl_model_mirror(r->model, method->y, method->y + method->n);
     r->summary->wall_hits += hits;
-    return hits ? dl_method_jumped(method, error) : DL_OK;
+    dl_status status = hits ? dl_method_jumped(method, error) : DL_OK;
+    if (!status && hits && r->located)
+        status = dl_located_restart(r->located, error);
+    return status;
 }
 
 /* The same, booked; what the booking costs is not timed. */
@@ -127,7 +131,7 @@ static inline dl_status one_step(run *r, double t_stop, dl_error *error) {
 
 /* What follows every step. */
 static inline dl_status after_step(run *r, dl_error *error) {
-    if (r->model->has_walls && !r->located) {
+    if (r->mirrors) {
         const dl_status status = r->observer ? mirror_observed(r, error) : mirror(r, error);
         if (status)
             return status;
@@ -201,7 +205,7 @@ static dl_status judge_sample(const run *r, const dl_sample *sample, dl_error *e
     return DL_OK;
 }
 
-/* Steps that were thrown away to step to a wall are rejected ones. */
+/* Steps that were thrown away to step to an event are rejected ones. */
 static dl_method_stats stats_of(const run *r) {
     dl_method_stats stats = {0};
     dl_method_stats_get(r->method, &stats);
@@ -254,7 +258,7 @@ static bool jump_is_due(const run *r, size_t *steps, double *time) {
 }
 
 /* Particles whose state is not the outcome of a step may hit a wall where they are, or rest. */
-static dl_status meet_walls(run *r, dl_error *error) {
+static dl_status begin_anew(run *r, dl_error *error) {
     if (!r->located)
         return DL_OK;
     dl_stopwatch_start(&r->watch);
@@ -274,7 +278,7 @@ static dl_status advance_to_sample(run *r, size_t sample, double time, dl_error 
         if (!status)
             status = dl_jumps_make(&r->jumps, r->method, r->observer, &r->watch, error);
         if (!status)
-            status = meet_walls(r, error);
+            status = begin_anew(r, error);
         jump_steps = steps;
         jump_time = time;
     }
@@ -318,9 +322,10 @@ static void summarise(run *r) {
     if (!r->located)
         return;
     const dl_located_counts counts = dl_located_counts_get(r->located);
-    summary->wall_hits = counts.hits;
+    summary->wall_hits += counts.hits;
     summary->contacts = counts.contacts;
     summary->releases = counts.releases;
+    summary->crossings = counts.crossings;
 }
 
 static void run_to_end(run *r) {
@@ -330,7 +335,7 @@ static void run_to_end(run *r) {
     r->sampled_at = -1;
     dl_status status = begin_observing(r, &error);
     if (!status)
-        status = meet_walls(r, &error);
+        status = begin_anew(r, &error);
     if (!status)
         status = integrate(r, &error);
     if (status) {
@@ -367,7 +372,8 @@ static dl_status create_parts(run *r, const dl_scene *scene, const dl_method_row
     status = dl_method_create(row, r->model, options, r->y, &r->method, error);
     if (!status && r->options->observe)
         status = dl_observer_create(scene, r->options->ledger, &r->observer, error);
-    if (!status && scene->walls.present && scene->walls.rule == DL_LOCATED)
+    r->mirrors = r->model->has_walls && !r->model->locates_hits;
+    if (!status && (r->model->locates_hits || r->model->locates_crossings))
         status = dl_located_create(r->method, r->observer, &r->watch, &r->located, error);
     if (status)
         return status;

@@ -397,6 +397,7 @@ const COLUMNS = [
   number("factorisations", "factorisations"),
   number("neighbour lists built", "neighbour_list_builds"),
   number("wall hits", "wall_hits"),
+  number("crossings located", "crossings"),
   {title: "time reached", key: "t_end_reached", unit: "time",
    text: value => (value === null ? "–" : String(Number(value.toPrecision(4))))},
 ];
