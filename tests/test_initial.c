@@ -3,6 +3,7 @@
 
 #include <glob.h>
 
+#include "core/random_stream.h"
 #include "driftlab/trajectory.h"
 
 static char folder[] = "/tmp/driftlab-initial-XXXXXX";
@@ -293,6 +294,72 @@ static void random_numbers_are_these(void **state) {
                                 0.1386919091692036};
     assert_memory_equal(s->position, expected, sizeof expected);
     dl_scene_free(s);
+}
+
+typedef struct draw {
+    int dimension;
+    size_t before, count; /* particles of other items, of this one */
+    double low[3], high[3], period[3], distance;
+} draw;
+
+static bool allows(const draw *d, const dl_scene *s, size_t placed, const double at[3]) {
+    for (size_t j = 0; j < placed; j++) {
+        double sum = 0;
+        for (size_t c = 0; c < (size_t)d->dimension; c++) {
+            const double apart = at[c] - s->position[c * s->particles + j];
+            const double near = d->period[c] > 0 ? remainder(apart, d->period[c]) : apart;
+            sum += near * near;
+        }
+        if (sum < d->distance * d->distance)
+            return false;
+    }
+    return true;
+}
+
+/* What the scene has is what is drawn where each place is compared with all before, to the bit. */
+static void compare_with_all_pairs(const draw *d, const char *around) {
+    char rest[1024], in[128] = "";
+    for (size_t c = 0, used = 0; c < (size_t)d->dimension; c++)
+        used += (size_t)snprintf(in + used, sizeof in - used, "%s[%.17g, %.17g]", c ? ", " : "",
+                                 d->low[c], d->high[c]);
+    snprintf(rest, sizeof rest,
+             "%s  - {random: {count: %zu, in: [%s], minimum_distance: %.17g}, seed: 5}", around,
+             d->count, in, d->distance);
+    dl_scene *const s = scene_with(d->dimension == 2 ? frame_2d : frame_3d, rest);
+    assert_int_equal(s->particles, d->before + d->count);
+    dl_random *random = NULL;
+    assert_int_equal(dl_random_create(5, 0, &random, NULL), DL_OK);
+    size_t drawn = 0;
+    for (size_t i = 0; i < d->count; i++) {
+        double at[3] = {0};
+        dl_random_begin(random, i, DL_RANDOM_POSITION);
+        do {
+            drawn++;
+            for (int c = 0; c < d->dimension; c++)
+                at[c] = dl_random_uniform(random, d->low[c], d->high[c]);
+        } while (!allows(d, s, d->before + i, at));
+        for (size_t c = 0; c < (size_t)d->dimension; c++)
+            if (s->position[c * s->particles + d->before + i] != at[c])
+                fail_msg("particle %zu, axis %zu: %.17g, expected %.17g", i, c,
+                         s->position[c * s->particles + d->before + i], at[c]);
+    }
+    assert_true(drawn > d->count + d->count / 4); /* some were too near */
+    dl_random_free(random);
+    dl_scene_free(s);
+}
+
+static void places_are_those_of_comparing_all_pairs(void **state) {
+    (void)state;
+    static const char boxed[] = "pair_law: [{until: 0.05, terms: [{coefficient: 1, power: 2}]}]\n"
+                                "periodic: {x: [0, 3]}\n"
+                                "particles:\n  - {at: [2.99, 0.5]}\n  - {at: [0.01, 40]}\n";
+    static const char narrow[] = "pair_law: [{until: 0.5, terms: [{coefficient: 1, power: 2}]}]\n"
+                                 "periodic: {x: [0, 1], y: [0, 9]}\nparticles:\n";
+    compare_with_all_pairs(&(draw){2, 0, 900, {-10, 3}, {-7, 8}, {0}, 0.09}, "particles:\n");
+    compare_with_all_pairs(&(draw){2, 2, 600, {0, -2}, {3, 2}, {3}, 0.1}, boxed);
+    compare_with_all_pairs(&(draw){2, 0, 10, {0, 0}, {1, 9}, {1, 9}, 0.7}, narrow);
+    compare_with_all_pairs(&(draw){3, 1, 700, {0, 0, -1}, {1, 1, 1}, {0}, 0.1},
+                           "particles:\n  - {at: [0.5, 0.5, 1.0e15]}\n");
 }
 
 static void distances_go_through_a_periodic_box(void **state) {
@@ -958,6 +1025,7 @@ int main(void) {
         cmocka_unit_test(every_use_has_numbers_of_its_own),
         cmocka_unit_test(many_particles_are_all_different),
         cmocka_unit_test(random_numbers_are_these),
+        cmocka_unit_test(places_are_those_of_comparing_all_pairs),
         cmocka_unit_test(distances_go_through_a_periodic_box),
         cmocka_unit_test(rotation_turns_counterclockwise),
         cmocka_unit_test(rotation_is_perturbed_by_mass),

@@ -666,6 +666,144 @@ static void command_observes_a_trajectory(void **state) {
     json_decref(same);
 }
 
+/* --- chosen frames, series, the system alone ---------------------------------------------------
+ * A cluster that turns and drifts, and the first particle of 7, which leaves it. */
+
+static void write_comet(void) {
+    char path[128];
+    snprintf(path, sizeof path, "%s/comet.yaml", folder);
+    FILE *const file = fopen(path, "w");
+    assert_non_null(file);
+    fputs("name: comet\ndimension: 2\nparticles:\n"
+          "  - {at: [3.2, 0], velocity: [9, 0], mass: 2000}\n",
+          file);
+    for (int k = 0; k < 6; k++) { /* turns at 0.5 */
+        const double angle = k * acos(-1) / 3, x = cos(angle), y = sin(angle);
+        fprintf(file, "  - {at: [%.15g, %.15g], velocity: [%.15g, %.15g], mass: %d}\n", x, y,
+                1 - 0.5 * y, 0.5 * x, k % 2 ? 2000 : 4000);
+    }
+    fputs("pair_law: [{until: 2, terms: [{coefficient: 1.0e-12, power: 2}]}]\n"
+          "time: {step: 0.01, end: 0.5, sample: 0.05}\n",
+          file);
+    fclose(file);
+}
+
+static void command_chooses_frames(void **state) {
+    (void)state;
+    char out[20000];
+    write_comet();
+    assert_int_equal(run_program("run comet.yaml --method leapfrog --out c.h5", out, sizeof out),
+                     0);
+    json_t *by_time = observe_json("c.h5 --time 0.2 --what motion");
+    json_t *by_step = observe_json("c.h5 --step 20 --what motion");
+    json_t *range = observe_json("c.h5 --from 0.2 --to 0.35 --what motion");
+    assert_true(json_equal(json_object_get(by_time, "observables"),
+                           json_object_get(by_step, "observables")));
+    assert_near(json_number_value(json_object_get(by_step, "from")), 0.2, 1e-12);
+    assert_int_equal(json_integer_value(json_object_get(by_step, "frames")), 1);
+    assert_int_equal(json_integer_value(json_object_get(range, "frames")), 4);
+    const double v = mean_of(by_time, "motion", 0, "velocity_x");
+    assert_near(mean_of(range, "motion", 0, "centre_x"),
+                mean_of(by_time, "motion", 0, "centre_x") + 0.075 * v, 1e-9);
+    json_decref(by_time);
+    json_decref(by_step);
+    json_decref(range);
+}
+
+static double of_entry(const json_t *entry, const char *observable, size_t row, const char *name) {
+    const json_t *value =
+        json_object_get(json_array_get(json_object_get(entry, observable), row), name);
+    assert_true(json_is_number(value));
+    return json_number_value(value);
+}
+
+/* Every entry is what the frame alone is; CSV has the same numbers. */
+static void a_series_is_frame_by_frame(void **state) {
+    (void)state;
+    char out[20000], arguments[128], expected[80];
+    write_comet();
+    assert_int_equal(run_program("run comet.yaml --method leapfrog --out c.h5", out, sizeof out),
+                     0);
+    json_t *root = observe_json("c.h5 --from 0.1 --every 2 --what motion,escaped,states");
+    const json_t *series = json_object_get(root, "series");
+    assert_int_equal(json_array_size(series), 5);
+    assert_int_equal(run_program("observe c.h5 --from 0.1 --every 2 --what motion,escaped,states",
+                                 out, sizeof out),
+                     0);
+    char *line = strtok(out, "\n");
+    assert_non_null(strstr(line, "time,step,motion.centre_x,"));
+    assert_non_null(strstr(line, "states.gas[4000]"));
+    assert_non_null(strstr(line, ",escaped.rows"));
+    for (size_t k = 0; k < 5; k++) {
+        const json_t *entry = json_array_get(series, k);
+        const long step = (long)json_integer_value(json_object_get(entry, "step"));
+        assert_int_equal(step, 10 + 10 * (long)k);
+        snprintf(arguments, sizeof arguments, "c.h5 --step %ld --what motion,escaped,states", step);
+        json_t *alone = observe_json(arguments);
+        assert_true(of_entry(entry, "motion", 0, "centre_x") ==
+                    mean_of(alone, "motion", 0, "centre_x"));
+        assert_true(of_entry(entry, "states", 1, "solid") == mean_of(alone, "states", 1, "solid"));
+        json_decref(alone);
+        line = strtok(NULL, "\n");
+        snprintf(expected, sizeof expected, "%.17g,%ld,%.17g,",
+                 json_number_value(json_object_get(entry, "time")), step,
+                 of_entry(entry, "motion", 0, "centre_x"));
+        if (!line || strncmp(line, expected, strlen(expected)) != 0)
+            fail_msg("line %zu: %s, expected %s...", k, line ? line : "nothing", expected);
+        assert_string_equal(strrchr(line, ','), ",1"); /* the first has escaped */
+    }
+    assert_null(strtok(NULL, "\n"));
+    json_decref(root);
+}
+
+static void what_has_escaped_is_named(void **state) {
+    (void)state;
+    char out[4000];
+    write_comet();
+    json_t *root = observe_json("comet.yaml --what escaped");
+    const json_t *rows = json_object_get(
+        json_array_get(json_object_get(json_object_get(root, "observables"), "escaped"), 0),
+        "rows");
+    assert_int_equal(json_array_size(rows), 1);
+    assert_int_equal(json_integer_value(json_array_get(rows, 0)), 1);
+    json_decref(root);
+    assert_int_equal(run_program("observe comet.yaml --what escaped", out, sizeof out), 0);
+    assert_non_null(strstr(out, "  rows                 1\n"));
+    assert_int_equal(run_program("observe comet.yaml --what escaped --beyond 4", out, sizeof out),
+                     0);
+    assert_non_null(strstr(out, "  rows                 none\n"));
+}
+
+/* The six that are left move with 1, turn at 0.5, and are cold; all seven do not. */
+static void the_system_alone_is_what_is_left(void **state) {
+    (void)state;
+    char out[4000];
+    write_comet();
+    const char *const what = "comet.yaml --what energy,motion,temperature,states --over %s";
+    char arguments[128];
+    snprintf(arguments, sizeof arguments, what, "all");
+    json_t *all = observe_json(arguments);
+    snprintf(arguments, sizeof arguments, what, "system");
+    json_t *left = observe_json(arguments);
+    assert_string_equal(json_string_value(json_object_get(all, "over")), "all");
+    assert_string_equal(json_string_value(json_object_get(left, "over")), "system");
+    assert_near(mean_of(left, "motion", 0, "velocity_x"), 1, 1e-12);
+    assert_near(mean_of(left, "motion", 0, "rigid_rotation"), 0.5, 1e-12);
+    assert_near(mean_of(left, "temperature", 0, "instantaneous"), 0, 1e-9);
+    assert_near(mean_of(left, "temperature", 1, "particles"), 3, 0);
+    assert_near(mean_of(left, "states", 1, "solid"), 3, 0);
+    assert_near(mean_of(all, "temperature", 1, "particles"), 4, 0);
+    assert_true(mean_of(all, "motion", 0, "velocity_x") > 1.5);
+    assert_true(mean_of(all, "temperature", 0, "instantaneous") > 0.01);
+    assert_near(mean_of(all, "energy", 0, "kinetic") - mean_of(left, "energy", 0, "kinetic"),
+                1000 * 81.0, 1e-6);
+    json_decref(all);
+    json_decref(left);
+    assert_int_equal(run_program("observe comet.yaml --over system --what motion", out, sizeof out),
+                     0);
+    assert_non_null(strstr(out, "the system alone, the heaviest group: 6 of 7 particles"));
+}
+
 static void command_refuses(void **state) {
     (void)state;
     static const struct {
@@ -682,6 +820,11 @@ static void command_refuses(void **state) {
         {"observe " SETTLED " --what energy,", "--what: found no name at the end"},
         {"observe " SETTLED " --what ,energy", "--what: found no name before a comma"},
         {"observe " SETTLED " --temperature kelvin", "--temperature: "},
+        {"observe " SETTLED " --to -1", "--to: found -1"},
+        {"observe " SETTLED " --step 3", "--step: found the scene"},
+        {"observe " SETTLED " --time 0 --every 2", "--time, --every: found both"},
+        {"observe " SETTLED " --every 0", "--every: "},
+        {"observe " SETTLED " --over system --what energy", "the system alone: found walls"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         char out[4000];
@@ -735,6 +878,10 @@ int main(void) {
         cmocka_unit_test(depth_is_above_the_floor),
         cmocka_unit_test(escape_counts_what_moves),
         cmocka_unit_test(command_observes_a_trajectory),
+        cmocka_unit_test(command_chooses_frames),
+        cmocka_unit_test(a_series_is_frame_by_frame),
+        cmocka_unit_test(what_has_escaped_is_named),
+        cmocka_unit_test(the_system_alone_is_what_is_left),
         cmocka_unit_test(command_refuses),
         cmocka_unit_test(trajectory_holds_its_scene),
     };

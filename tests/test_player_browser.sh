@@ -172,9 +172,9 @@ addEventListener("load", () => {
 });
 PROBE
 
-look() { # NAME WIDTH: sets `found` to what the probe saw
+look() { # NAME WIDTH [PROBE]: sets `found` to what the probe saw
     local frame=$work/frame.html
-    { sed '/^<\/body>$/,$d' "$work/$1.html"; echo "<script>"; cat "$work/probe.js"
+    { sed '/^<\/body>$/,$d' "$work/$1.html"; echo "<script>"; cat "${3:-$work/probe.js}"
       echo "</script></body></html>"; } > "$work/probed.html"
     cat > "$frame" <<FRAME
 <!DOCTYPE html><title>nothing seen</title>
@@ -204,6 +204,45 @@ for width in 1280 400; do
         planes=1 grey=1 colourful=1 arrows=1 playing=1 advanced=1 paused=1 stays=1 playedToEnd=1 \
         sought=1 cursor=1 told=1 wide=0 unnamed=0 width=$width
 done
+
+# A light particle in the middle that a heavy one hides from +z and +x, not from -y: of the heavy
+# one's shade there is less to be seen in the plane xz. As if the file had more frames than fit.
+cat > "$work/hidden.yaml" <<'SCENE'
+name: hidden
+dimension: 3
+particles:
+  - {at: [0, 0, 0], mass: 1}
+  - {at: [0.01, 0.01, 0.01], velocity: [0, 0, 0.01], mass: 1000}
+  - {lattice: {kind: simple-cubic, spacing: 4, count: [2, 2, 2], origin: [-2, -2, -2]}, mass: 30}
+time: {step: 1.0e-2, end: 0.1}
+SCENE
+"$program" run "$work/hidden.yaml" --method leapfrog --sample 0.01 --out "$work/hidden.h5" > "$work/log" ||
+    fail "no run: $(cat "$work/log")"
+"$program" picture "$work/hidden.h5" --out "$work/whole.html" > /dev/null || fail "hidden: no page"
+sed 's/"stride":1,/"stride":7,/' "$work/whole.html" > "$work/hidden.html"
+cat > "$work/depth.js" <<'PROBE'
+addEventListener("load", () => {
+  const heavy = 0x54, film = document.querySelector(".film");
+  const list = [...document.querySelectorAll(".controls label")]
+    .find(label => label.textContent.startsWith("Plane")).querySelector("select");
+  const covered = plane => {
+    list.value = plane;
+    list.dispatchEvent(new Event("change"));
+    const {data} = film.getContext("2d").getImageData(0, 0, film.width, film.height);
+    let found = 0;
+    for (let i = 0; i < data.length; i += 4)
+      if (data[i] === heavy && data[i + 1] === heavy && data[i + 2] === heavy) found++;
+    return found;
+  };
+  const [xy, xz, yz] = ["xy", "xz", "yz"].map(covered);
+  const hidden = xy > 50 && Math.abs(xy - yz) < 0.1 * xy && xz < 0.9 * xy && xz > 0.3 * xy;
+  const thinned = document.querySelector(".motion .quiet").textContent.includes("1 of every 7 shown");
+  parent.postMessage(`players=1 xy=${xy} xz=${xz} yz=${yz} hidden=${hidden ? 1 : 0} `
+                     + `thinned=${thinned ? 1 : 0}`, "*");
+});
+PROBE
+look hidden 1280 "$work/depth.js"
+expect hidden=1 thinned=1
 
 # The same players within a report.
 cat > "$work/study.yaml" <<'STUDY'

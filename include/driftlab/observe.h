@@ -140,6 +140,11 @@ typedef struct dl_escape {
  * where it does not. */
 double dl_escape_link(const dl_scene *scene);
 
+/* Which particles are the system: the group of largest mass. system [particles]; `link` as above.
+ */
+dl_status dl_observe_system(const dl_scene *scene, const double *y_all, double link, bool *system,
+                            dl_error *error);
+
 /* `escaped` [particles] or NULL. */
 dl_status dl_observe_escape(dl_model *model, const double *y_all, const dl_escape_rule *rule,
                             bool *escaped, dl_escape *result, dl_error *error);
@@ -234,6 +239,8 @@ typedef struct dl_observe_options {
     double bin;               /* width; 0: chosen, the first "nice" one that gives <= 13 bins */
     double across;            /* 0: dl_across */
     double link, beyond;      /* of escape; link 0: dl_escape_link */
+    bool of_system; /* energy, motion, temperatures and states are those of the system alone,
+                     * whatever it is in each frame; TR299's sums go over all particles */
 } dl_observe_options;
 
 void dl_observe_options_default(dl_observe_options *options);
@@ -247,6 +254,7 @@ typedef struct dl_observed {
     size_t rows, columns;
     const double *label;        /* [rows] mass, or the bin's low end; NULL for the system */
     const double *mean, *error; /* [rows][columns] */
+    const double *present;      /* [rows][columns]: of the last frame */
 } dl_observed;
 
 /* `wanted` [dl_observable_count()]; NULL: all that the scene has. `frames`: how many will be added,
@@ -265,6 +273,10 @@ dl_status dl_observation_warm(dl_observation *observation, double time, const do
  * holds until the next frame. */
 size_t dl_observation_count(const dl_observation *observation);
 void dl_observation_get(const dl_observation *observation, size_t index, dl_observed *observed);
+/* Which particles have escaped, and which are observed, in the last frame: [particles], the
+ * observation's. The first is NULL where "escaped" is not observed, the second where all are. */
+const bool *dl_observation_escaped(const dl_observation *observation);
+const bool *dl_observation_system(const dl_observation *observation);
 /* Width of the bins. */
 double dl_observation_bin(const dl_observation *observation);
 

@@ -82,6 +82,9 @@ dl_status dl_frames_open(const char *path, dl_frames **frames, dl_error *error);
  * left out), y_all [2 * dimension * particles]. */
 dl_status dl_frames_read(dl_frames *frames, size_t number, int dimension, double *y_all,
                          dl_error *error);
+/* The same as a state of `scene`: DL_INPUT where it has other particles, or another dimension. */
+dl_status dl_frames_read_state(dl_frames *frames, size_t number, const dl_scene *scene,
+                               double *y_all, dl_error *error);
 void dl_frames_close(dl_frames *frames);
 
 /* The frame of a step of the method, or of a time (to a millionth of the frames' interval).

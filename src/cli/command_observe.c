@@ -1,27 +1,38 @@
 /* driftlab observe: what a trajectory, or a scene's initial state, looks like. */
+#include <float.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cli/command.h"
+#include "cli/observe_source.h"
 #include "cli/observed.h"
 #include "cli/outcome.h"
-#include "driftlab/trajectory.h"
 
 typedef struct observe_values {
     char *what, *scene;
-    double from, bin, across, link, beyond;
-    long window;
-    int temperature;
+    double from, to, time, bin, across, link, beyond;
+    long step, every, window;
+    int temperature, over;
     bool last, json;
 } observe_values;
 
 static const dl_temperature_rule *const rules[] = {&dl_temperature_published,
                                                    &dl_temperature_program};
 static const char *const rule_words[] = {"published", "program", NULL};
+static const char *const over_words[] = {"all", "system", NULL};
 
+#define TIME(name_, member, default_, doc_)                                                        \
+    {                                                                                              \
+        .name = name_, .kind = DL_REAL, .offset = offsetof(observe_values, member), .unit = "T",   \
+        .minimum = -DBL_MAX, .maximum = INFINITY, .fallback = default_, .doc = doc_                \
+    }
+#define COUNT(name_, member, word, least, most, default_, doc_)                                    \
+    {                                                                                              \
+        .name = name_, .kind = DL_INTEGER, .offset = offsetof(observe_values, member),             \
+        .unit = word, .minimum = least, .maximum = most, .fallback = default_, .doc = doc_         \
+    }
 #define LENGTH(name_, member, word, doc_)                                                          \
     {                                                                                              \
         .name = name_, .kind = DL_REAL, .offset = offsetof(observe_values, member), .unit = word,  \
@@ -34,19 +45,17 @@ static const dl_parameter options[] = {
      .offset = offsetof(observe_values, what),
      .unit = "A,B,...",
      .doc = "observables (driftlab list observables); default: all that the scene has"},
-    {.name = "from",
-     .kind = DL_REAL,
-     .offset = offsetof(observe_values, from),
-     .unit = "T",
-     .minimum = -INFINITY,
-     .maximum = INFINITY,
-     .fallback = "0",
-     .doc = "average from this time on"},
+    TIME("from", from, "0", "average from this time on"),
+    TIME("to", to, NULL, "average to this time (default: the last frame's)"),
+    TIME("time", time, NULL, "the frame at this time alone"),
+    COUNT("step", step, "N", 0, 1e15, NULL, "the frame at this step of the method alone"),
     {.name = "last",
      .kind = DL_FLAG,
      .offset = offsetof(observe_values, last),
      .fallback = "false",
-     .doc = "the last frame alone (its temperatures remember those before)"},
+     .doc = "the last frame alone (temperatures of a frame remember those before)"},
+    COUNT("every", every, "N", 1, 1e9, NULL,
+          "no average: a line of CSV, or an entry of JSON, for every N-th frame"),
     {.name = "scene",
      .kind = DL_TEXT,
      .offset = offsetof(observe_values, scene),
@@ -60,6 +69,14 @@ static const dl_parameter options[] = {
            "law's first piece)"),
     LENGTH("beyond", beyond, "R",
            "escaped: distance from the system at which a group can have (default: any)"),
+    {.name = "over",
+     .kind = DL_WORD,
+     .offset = offsetof(observe_values, over),
+     .unit = "WHAT",
+     .words = over_words,
+     .fallback = "all",
+     .doc = "energy, motion, temperature, states: of all particles, as TR299 has them, or of the "
+            "system alone, the heaviest group that --link holds together"},
     {.name = "temperature",
      .kind = DL_WORD,
      .offset = offsetof(observe_values, temperature),
@@ -67,96 +84,14 @@ static const dl_parameter options[] = {
      .words = rule_words,
      .fallback = "published",
      .doc = "published: over 1e4, mean of the window; program: over 1e3, exponential mean"},
-    {.name = "window",
-     .kind = DL_INTEGER,
-     .offset = offsetof(observe_values, window),
-     .unit = "STEPS",
-     .minimum = 1,
-     .maximum = 100000,
-     .fallback = "500",
-     .doc = "steps (of the scene) that temperatures are averaged over"},
+    COUNT("window", window, "STEPS", 1, 100000, "500",
+          "steps (of the scene) that temperatures are averaged over"),
     {.name = "json",
      .kind = DL_FLAG,
      .offset = offsetof(observe_values, json),
      .fallback = "false",
      .doc = "print one JSON object instead of tables"},
 };
-
-/* Where frames come from. */
-typedef struct source {
-    const char *file;
-    bool is_trajectory;
-    dl_scene *scene;
-    size_t frames; /* in all */
-    size_t first;  /* to be observed */
-    double lowest, highest;
-    double from, to; /* times of the first and the last observed */
-} source;
-
-static dl_status open_source(source *s, const observe_values *values, dl_error *error) {
-    s->is_trajectory = dl_file_is_hdf5(s->file);
-    s->frames = 1;
-    if (!s->is_trajectory && values->scene)
-        return dl_fail(error, DL_INPUT, "--scene: found %s beside %s, expected a trajectory there",
-                       values->scene, s->file);
-    if (!s->is_trajectory)
-        return dl_scene_read(s->file, &s->scene, error);
-    dl_status status = values->scene ? dl_scene_read(values->scene, &s->scene, error)
-                                     : dl_scene_read_trajectory(s->file, &s->scene, error);
-    dl_trajectory_frame frame;
-    if (!status)
-        status = dl_trajectory_read_frame(s->file, 0, &frame, error);
-    if (status)
-        return status;
-    s->frames = frame.frames;
-    dl_trajectory_frame_free(&frame);
-    return DL_OK;
-}
-
-/* State and time of frame `number`; *y_all is the caller's. */
-static dl_status read_state(const source *s, size_t number, double **y_all, double *time,
-                            dl_error *error) {
-    if (s->is_trajectory)
-        return dl_trajectory_read_state(s->file, number, s->scene, y_all, time, error);
-    const size_t block = (size_t)s->scene->dimension * s->scene->particles;
-    *time = 0;
-    *y_all = malloc(2 * block * sizeof **y_all);
-    if (!*y_all)
-        return dl_fail_memory(error, "a state of every particle");
-    memcpy(*y_all, s->scene->position, block * sizeof **y_all);
-    memcpy(*y_all + block, s->scene->velocity, block * sizeof **y_all);
-    return DL_OK;
-}
-
-/* Which frames are observed, and the heights in them. */
-static dl_status survey(source *s, const observe_values *values, dl_error *error) {
-    s->first = s->frames;
-    s->lowest = INFINITY;
-    s->highest = -INFINITY;
-    for (size_t k = 0; k < s->frames; k++) {
-        double *y_all, time, lowest, highest;
-        const dl_status status = read_state(s, k, &y_all, &time, error);
-        if (status)
-            return status;
-        const bool observed = values->last ? k + 1 == s->frames : time >= values->from;
-        dl_observe_heights(s->scene, y_all, &lowest, &highest);
-        free(y_all);
-        if (!observed)
-            continue;
-        if (s->first == s->frames) {
-            s->first = k;
-            s->from = time;
-        }
-        s->to = time;
-        s->lowest = fmin(s->lowest, lowest);
-        s->highest = fmax(s->highest, highest);
-    }
-    return s->first < s->frames ? DL_OK
-                                : dl_fail(error, DL_INPUT,
-                                          "--from: found %.15g, expected a time not after the last "
-                                          "frame's",
-                                          values->from);
-}
 
 /* The names in `list` as flags. */
 static dl_status read_names(const char *list, bool *wanted, dl_error *error) {
@@ -178,11 +113,17 @@ static dl_status read_names(const char *list, bool *wanted, dl_error *error) {
     return DL_OK;
 }
 
-static dl_status create(const source *s, const observe_values *values, dl_observation **observation,
-                        dl_error *error) {
-    bool *wanted = calloc(dl_observable_count(), sizeof *wanted);
-    if (!wanted)
-        return dl_fail_memory(error, "an observation");
+/* Whether anything that is wanted goes by height. */
+static bool wants_bins(const bool *wanted) {
+    for (size_t k = 0; k < dl_observable_count(); k++)
+        if ((!wanted || wanted[k]) && dl_observable_at(k)->rows == DL_ROWS_BINS)
+            return true;
+    return false;
+}
+
+static dl_status create(cli_source *source, const observe_values *values, const bool *wanted,
+                        dl_observation **observation, dl_error *error) {
+    double lowest = 0, highest = 0;
     dl_observe_options how;
     dl_observe_options_default(&how);
     how.temperature = rules[values->temperature];
@@ -191,58 +132,104 @@ static dl_status create(const source *s, const observe_values *values, dl_observ
     how.across = values->across;
     how.link = values->link;
     how.beyond = values->beyond;
-    dl_status status = values->what ? read_names(values->what, wanted, error) : DL_OK;
-    if (!status)
-        status =
-            dl_observation_create(s->scene, &how, values->what ? wanted : NULL,
-                                  s->frames - s->first, s->lowest, s->highest, observation, error);
-    free(wanted);
-    return status;
+    how.of_system = values->over == 1;
+    dl_status status =
+        wants_bins(wanted) ? cli_source_heights(source, &lowest, &highest, error) : DL_OK;
+    return status ? status
+                  : dl_observation_create(source->scene, &how, wanted, cli_source_observed(source),
+                                          lowest, highest, observation, error);
 }
 
-static dl_status observe_frames(const source *s, dl_observation *observation, dl_error *error) {
+/* Frames that are not observed count for the temperatures of later ones. `series` NULL: none. */
+static dl_status observe_frames(cli_source *source, dl_observation *observation, cli_series *series,
+                                dl_error *error) {
     dl_status status = DL_OK;
-    for (size_t k = 0; k < s->frames && !status; k++) {
-        double *y_all, time;
-        status = read_state(s, k, &y_all, &time, error);
+    for (size_t k = 0; k <= source->last && !status; k++) {
+        const double time = cli_source_time(source, k);
+        status = cli_source_read(source, k, error);
         if (status)
             return status;
-        status = k < s->first ? dl_observation_warm(observation, time, y_all, error)
-                              : dl_observation_add(observation, time, y_all, error);
-        free(y_all);
+        if (!cli_source_observes(source, k)) {
+            status = dl_observation_warm(observation, time, source->y_all, error);
+            continue;
+        }
+        status = dl_observation_add(observation, time, source->y_all, error);
+        if (!status && series)
+            status = cli_series_add(series, time, cli_source_step(source, k), error);
     }
     return status;
 }
 
-static cli_exit observe(const cli_input *input) {
-    const observe_values *values = input->values;
-    source s = {.file = input->word[0]};
-    dl_observation *observation = NULL;
-    dl_error error = {""};
-    dl_status status = DL_OK;
-    if (values->last && cli_input_gives(&cli_command_observe, input, "from"))
-        status = dl_fail(&error, DL_INPUT, "--last, --from: found both, expected one");
-    if (!status)
-        status = open_source(&s, values, &error);
-    if (!status)
-        status = survey(&s, values, &error);
-    if (!status)
-        status = create(&s, values, &observation, &error);
-    if (!status)
-        status = observe_frames(&s, observation, &error);
-    const cli_observed observed = {.file = s.file,
-                                   .scene = s.scene,
-                                   .frames = s.frames - s.first,
-                                   .from = s.from,
-                                   .to = s.to,
+static dl_status show(const observe_values *values, cli_source *source, bool in_series,
+                      dl_observation *observation, dl_error *error) {
+    const cli_observed observed = {.file = source->file,
+                                   .scene = source->scene,
+                                   .frames = cli_source_observed(source),
+                                   .from = cli_source_time(source, source->first),
+                                   .to = cli_source_time(source, source->last),
                                    .temperature = rules[values->temperature],
                                    .observation = observation};
+    cli_series series;
+    cli_series_begin(&series, &observed, values->json, stdout);
+    const dl_status status = observe_frames(source, observation, in_series ? &series : NULL, error);
+    if (in_series)
+        return cli_series_end(&series, status, error);
     if (!status && values->json)
-        status = cli_observed_json(&observed, stdout, &error);
-    else if (!status)
+        return cli_observed_json(&observed, stdout, error);
+    if (!status)
         cli_observed_table(&observed, stdout);
+    return status;
+}
+
+/* Options that choose frames: one alone, or a range. */
+static dl_status check_choice(const cli_input *input, dl_error *error) {
+    static const char *const one[] = {"last", "time", "step"};
+    static const char *const other[] = {"last", "time", "step", "from", "to", "every"};
+    for (size_t a = 0; a < sizeof one / sizeof *one; a++)
+        for (size_t b = a + 1; b < sizeof other / sizeof *other; b++)
+            if (cli_input_gives(&cli_command_observe, input, one[a]) &&
+                cli_input_gives(&cli_command_observe, input, other[b]))
+                return dl_fail(error, DL_INPUT, "--%s, --%s: found both, expected one", one[a],
+                               other[b]);
+    return DL_OK;
+}
+
+static cli_choice choice_of(const cli_input *input) {
+    const observe_values *values = input->values;
+    const cli_command *const command = &cli_command_observe;
+    return (cli_choice){
+        .last = values->last,
+        .from = values->from,
+        .to = cli_input_gives(command, input, "to") ? values->to : INFINITY,
+        .time = cli_input_gives(command, input, "time") ? values->time : INFINITY,
+        .step = cli_input_gives(command, input, "step") ? values->step : -1,
+        .every = cli_input_gives(command, input, "every") ? values->every : 1,
+    };
+}
+
+static cli_exit observe(const cli_input *input) {
+    const observe_values *values = input->values;
+    const bool in_series = cli_input_gives(&cli_command_observe, input, "every");
+    const cli_choice choice = choice_of(input);
+    cli_source source = {0};
+    dl_observation *observation = NULL;
+    dl_error error = {""};
+    bool *const wanted = calloc(dl_observable_count(), sizeof *wanted);
+    dl_status status =
+        wanted ? check_choice(input, &error) : dl_fail_memory(&error, "an observation");
+    if (!status && values->what)
+        status = read_names(values->what, wanted, &error);
+    if (!status)
+        status = cli_source_open(input->word[0], values->scene, &source, &error);
+    if (!status)
+        status = cli_source_choose(&source, &choice, &error);
+    if (!status)
+        status = create(&source, values, values->what ? wanted : NULL, &observation, &error);
+    if (!status)
+        status = show(values, &source, in_series, observation, &error);
     dl_observation_free(observation);
-    dl_scene_free(s.scene);
+    cli_source_close(&source);
+    free(wanted);
     return cli_finish(status, &error);
 }
 
@@ -250,6 +237,9 @@ const cli_command cli_command_observe = {
     .name = "observe",
     .arguments = "TRAJECTORY.h5 | SCENE",
     .summary = "temperature, states, density, pressure ... of a trajectory or an initial state",
+    .details =
+        "Of a trajectory the mean over its frames; one of them with --time, --step or --last; "
+        "all of them,\none after the other, with --every 1.\n",
     .least_words = 1,
     .most_words = 1,
     .options = CLI_TABLE(options),

@@ -54,6 +54,35 @@ static void print_rows(const dl_observed *o, double width, FILE *out) {
     }
 }
 
+/* Counted from 1, as a scene's `remove` does. */
+static void print_escaped(const cli_observed *observed, FILE *out) {
+    const bool *const escaped = dl_observation_escaped(observed->observation);
+    const char *before = "";
+    fprintf(out, "  %-*s ", name_width, "rows");
+    for (size_t i = 0; i < observed->scene->particles; i++)
+        if (escaped[i]) {
+            fprintf(out, "%s%zu", before, i + 1);
+            before = ", ";
+        }
+    fprintf(out, "%s\n", *before ? observed->frames > 1 ? " (of the last frame)" : "" : "none");
+}
+
+/* Whose energy, motion, temperatures and states are told. */
+static void print_over(const cli_observed *observed, FILE *out) {
+    const bool *const system = dl_observation_system(observed->observation);
+    const dl_scene *const scene = observed->scene;
+    size_t moving = 0, inside = 0;
+    for (size_t i = 0; system && i < scene->particles; i++) {
+        moving += !scene->pinned[i];
+        inside += !scene->pinned[i] && system[i];
+    }
+    if (system)
+        fprintf(out,
+                "over the system alone, the heaviest group: %zu of %zu particles in the last "
+                "frame\n",
+                inside, moving);
+}
+
 void cli_observed_table(const cli_observed *observed, FILE *out) {
     fprintf(out, "%s, %s: ", observed->file, observed->scene->name);
     if (observed->frames > 1)
@@ -61,6 +90,7 @@ void cli_observed_table(const cli_observed *observed, FILE *out) {
                 observed->frames, observed->from, observed->to);
     else
         fprintf(out, "one frame, t = %.10g\n", observed->to);
+    print_over(observed, out);
     for (size_t i = 0; i < dl_observation_count(observed->observation); i++) {
         dl_observed o;
         dl_observation_get(observed->observation, i, &o);
@@ -73,6 +103,8 @@ void cli_observed_table(const cli_observed *observed, FILE *out) {
             print_rows(&o, dl_observation_bin(observed->observation), out);
         else
             print_system(&o, out);
+        if (strcmp(o.observable->name, "escaped") == 0)
+            print_escaped(observed, out);
     }
 }
 
@@ -95,22 +127,40 @@ static json_t *row_json(const dl_observed *o, size_t row, double width) {
     return object;
 }
 
-dl_status cli_observed_json(const cli_observed *observed, FILE *out, dl_error *error) {
-    json_t *root = json_object(), *all = json_object();
-    const double width = dl_observation_bin(observed->observation);
+json_t *cli_observed_head(const cli_observed *observed) {
+    json_t *root = json_object();
+    const bool all = !dl_observation_system(observed->observation);
     json_object_set_new(root, "file", json_string(observed->file));
     json_object_set_new(root, "scene", json_string(observed->scene->name));
+    json_object_set_new(root, "over", json_string(all ? "all" : "system"));
     json_object_set_new(root, "frames", json_integer((json_int_t)observed->frames));
     json_object_set_new(root, "from", cli_json_real(observed->from));
     json_object_set_new(root, "to", cli_json_real(observed->to));
     json_object_set_new(root, "temperature_rule", json_string(observed->temperature->name));
     json_object_set_new(root, "temperature_unit", json_real(observed->temperature->unit));
+    return root;
+}
+
+json_t *cli_observed_escaped(const cli_observed *observed) {
+    const bool *const escaped = dl_observation_escaped(observed->observation);
+    json_t *const rows = escaped ? json_array() : NULL;
+    for (size_t i = 0; rows && i < observed->scene->particles; i++)
+        if (escaped[i])
+            json_array_append_new(rows, json_integer((json_int_t)i + 1));
+    return rows;
+}
+
+dl_status cli_observed_json(const cli_observed *observed, FILE *out, dl_error *error) {
+    json_t *root = cli_observed_head(observed), *all = json_object();
+    const double width = dl_observation_bin(observed->observation);
     for (size_t i = 0; i < dl_observation_count(observed->observation); i++) {
         dl_observed o;
         dl_observation_get(observed->observation, i, &o);
         json_t *rows = json_array();
         for (size_t row = 0; row < o.rows; row++)
             json_array_append_new(rows, row_json(&o, row, width));
+        if (strcmp(o.observable->name, "escaped") == 0)
+            json_object_set_new(json_array_get(rows, 0), "rows", cli_observed_escaped(observed));
         json_object_set_new(all, o.observable->name, rows);
     }
     json_object_set_new(root, "observables", all);

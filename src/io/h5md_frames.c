@@ -17,6 +17,23 @@ struct dl_frames_file {
 
 /* --- opening -------------------------------------------------------------------------------- */
 
+/* H5MD allows the interval between frames in the place of one number each. */
+static void *count_up(hid_t data, size_t count, hid_t type, size_t size) {
+    const bool real = H5Tequal(type, H5T_NATIVE_DOUBLE) > 0;
+    double interval = 0;
+    long steps = 0;
+    if (H5Dread(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                real ? (void *)&interval : (void *)&steps) < 0)
+        return NULL;
+    void *const values = calloc(count, size);
+    for (size_t k = 0; k < count && values; k++)
+        if (real)
+            ((double *)values)[k] = (double)k * interval;
+        else
+            ((long *)values)[k] = (long)k * steps;
+    return values;
+}
+
 /* A number a frame, of `size` bytes in memory; NULL where there is no such dataset. */
 static void *read_series(hid_t parent, const char *name, size_t count, hid_t type, size_t size) {
     const hid_t data = H5Dopen2(parent, name, H5P_DEFAULT);
@@ -24,10 +41,12 @@ static void *read_series(hid_t parent, const char *name, size_t count, hid_t typ
         return NULL;
     const hid_t space = H5Dget_space(data);
     void *values = NULL;
-    if (H5Sget_simple_extent_ndims(space) == 1 &&
-        H5Sget_simple_extent_npoints(space) == (hssize_t)count)
+    const int rank = H5Sget_simple_extent_ndims(space);
+    if (rank == 0)
+        values = count_up(data, count, type, size);
+    else if (rank == 1 && H5Sget_simple_extent_npoints(space) == (hssize_t)count)
         values = calloc(count, size);
-    if (values && H5Dread(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) {
+    if (values && rank == 1 && H5Dread(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) {
         free(values);
         values = NULL;
     }
@@ -133,16 +152,11 @@ bool dl_file_is_hdf5(const char *path) {
 
 /* --- frames --------------------------------------------------------------------------------- */
 
-dl_status dl_frames_read(dl_frames *frames, size_t number, int dimension, double *y_all,
-                         dl_error *error) {
+/* `flat`: third components, which a scene in two dimensions leaves out, are to be 0. */
+static dl_status read_parts(dl_frames *frames, size_t number, int dimension, bool flat,
+                            double *y_all, dl_error *error) {
     struct dl_frames_file *const file = frames->file;
     const size_t half = (size_t)dimension * frames->particles;
-    if (number >= frames->count)
-        return dl_fail(error, DL_INPUT, "%s: found no frame %zu, expected one of 0 to %zu",
-                       file->path, number, frames->count - 1);
-    if (dimension > frames->components)
-        return dl_fail(error, DL_INPUT, "%s: found vectors of %d components, expected %d",
-                       file->path, frames->components, dimension);
     const dl_h5md_vectors *const vectors[] = {&file->position, &file->velocity};
     static const char *const name[] = {"position/value", "velocity/value"};
     for (size_t part = 0; part < 2; part++) {
@@ -150,9 +164,41 @@ dl_status dl_frames_read(dl_frames *frames, size_t number, int dimension, double
                                                       number, file->components, error);
         if (status)
             return status;
+        for (size_t k = half; flat && k < (size_t)frames->components * frames->particles; k++)
+            if (file->components[k] != 0)
+                return dl_fail(error, DL_INPUT,
+                               "%s: %s of particle %zu, frame %zu: found a third component other "
+                               "than 0, expected 0 for a scene in two dimensions",
+                               file->path, name[part], k - half, number);
         memcpy(y_all + part * half, file->components, half * sizeof *y_all);
     }
     return DL_OK;
+}
+
+static dl_status check_frame(const dl_frames *frames, size_t number, int dimension,
+                             dl_error *error) {
+    if (number >= frames->count)
+        return dl_fail(error, DL_INPUT, "%s: found no frame %zu, expected one of 0 to %zu",
+                       frames->file->path, number, frames->count - 1);
+    if (dimension > frames->components)
+        return dl_fail(error, DL_INPUT, "%s: found vectors of %d components, expected %d",
+                       frames->file->path, frames->components, dimension);
+    return DL_OK;
+}
+
+dl_status dl_frames_read(dl_frames *frames, size_t number, int dimension, double *y_all,
+                         dl_error *error) {
+    const dl_status status = check_frame(frames, number, dimension, error);
+    return status ? status : read_parts(frames, number, dimension, false, y_all, error);
+}
+
+dl_status dl_frames_read_state(dl_frames *frames, size_t number, const dl_scene *scene,
+                               double *y_all, dl_error *error) {
+    if (frames->particles != scene->particles)
+        return dl_fail(error, DL_INPUT, "%s: found %zu particles, expected the scene's %zu",
+                       frames->file->path, frames->particles, scene->particles);
+    const dl_status status = check_frame(frames, number, scene->dimension, error);
+    return status ? status : read_parts(frames, number, scene->dimension, true, y_all, error);
 }
 
 /* What frames there are, in few words: "0 to 1464, every 16", or the first and the last ones. */

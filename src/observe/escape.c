@@ -79,6 +79,32 @@ static void sum_up(groups *g) {
             g->system = i;
 }
 
+static dl_status find_groups(groups *g, double link, dl_error *error) {
+    const size_t n = g->scene->particles;
+    g->root = malloc(n * sizeof *g->root);
+    g->of = calloc(n, sizeof *g->of);
+    if (!g->root || !g->of)
+        return dl_fail_memory(error, "groups of particles");
+    connect(g, link);
+    sum_up(g);
+    return DL_OK;
+}
+
+static void release(groups *g) {
+    free(g->root);
+    free(g->of);
+}
+
+dl_status dl_observe_system(const dl_scene *scene, const double *y_all, double link, bool *system,
+                            dl_error *error) {
+    groups g = {.scene = scene, .y_all = y_all};
+    const dl_status status = find_groups(&g, link, error);
+    for (size_t i = 0; i < scene->particles && !status; i++)
+        system[i] = g.root[i] == g.system;
+    release(&g);
+    return status;
+}
+
 /* --- escape ----------------------------------------------------------------------------------- */
 
 static void add_potential(const dl_observed_pair *pair, void *context) {
@@ -124,19 +150,12 @@ dl_status dl_observe_escape(dl_model *model, const double *y_all, const dl_escap
                        "escape: found link %.15g, beyond %.15g, expected a finite link > 0 and "
                        "beyond >= 0",
                        rule->link, rule->beyond);
-    const size_t n = model->particles;
     groups g = {.scene = model->scene, .y_all = y_all};
-    g.root = malloc(n * sizeof *g.root);
-    g.of = calloc(n, sizeof *g.of);
-    dl_status status = g.root && g.of ? DL_OK : dl_fail_memory(error, "groups of particles");
-    if (!status) {
-        connect(&g, rule->link);
-        sum_up(&g);
+    dl_status status = find_groups(&g, rule->link, error);
+    if (!status)
         status = dl_observe_pairs(model, y_all, add_potential, &g, error);
-    }
     if (!status)
         count(&g, rule->beyond, escaped, result);
-    free(g.root);
-    free(g.of);
+    release(&g);
     return status;
 }

@@ -79,7 +79,7 @@ static dl_status measure_temperature(dl_measuring *m, double *out, dl_error *err
     (void)error;
     for (size_t k = 0; k < m->classes; k++) {
         out[k * columns] = m->mass_class[k].particles;
-        out[k * columns + 1] = out[k * columns + 2] = 0;
+        out[k * columns + 1] = out[k * columns + 2] = m->mass_class[k].particles > 0 ? 0 : NAN;
     }
     dl_thermometer_read(m->measured, m->work);
     add_to_classes(m, m->work, columns, 1, out);
@@ -118,7 +118,8 @@ static dl_status states_apply(dl_measuring *m, dl_error *error) {
 static dl_status measure_escape(dl_measuring *m, double *out, dl_error *error) {
     const dl_escape_rule rule = {m->options.link, m->options.beyond};
     dl_escape result;
-    const dl_status status = dl_observe_escape(m->model, m->y_all, &rule, NULL, &result, error);
+    const dl_status status =
+        dl_observe_escape(m->model, m->y_all, &rule, m->escaped, &result, error);
     if (status)
         return status;
     out[0] = (double)result.particles;
@@ -127,15 +128,20 @@ static dl_status measure_escape(dl_measuring *m, double *out, dl_error *error) {
     return DL_OK;
 }
 
-static dl_status escape_applies(dl_measuring *m, dl_error *error) {
-    if (m->scene->walls.present || m->scene->periods.present)
-        return dl_fail(error, DL_INPUT,
-                       "escaped: found walls or periods, expected a scene without them");
+dl_status dl_groups_apply(const dl_measuring *m, const char *what, dl_error *error) {
+    if (m->whole->walls.present || m->whole->periods.present)
+        return dl_fail(error, DL_INPUT, "%s: found walls or periods, expected a scene without them",
+                       what);
     return isfinite(m->options.link)
                ? DL_OK
                : dl_fail(error, DL_INPUT,
-                         "escaped: found a pair law whose first piece never ends, "
-                         "expected a link to be given");
+                         "%s: found a pair law whose first piece never ends, expected a link to be "
+                         "given",
+                         what);
+}
+
+static dl_status escape_applies(dl_measuring *m, dl_error *error) {
+    return dl_groups_apply(m, "escaped", error);
 }
 
 /* --- heights ---------------------------------------------------------------------------------- */

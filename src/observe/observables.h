@@ -13,7 +13,12 @@ typedef struct dl_mass_class {
 
 /* All that measuring one frame takes. */
 typedef struct dl_measuring {
-    const dl_scene *scene;
+    const dl_scene *scene; /* what is observed: `whole`, or `view` */
+    const dl_scene *whole;
+    dl_scene view;  /* of the system alone: the others are as if pinned */
+    bool *left_out; /* [particles]: what `view` pins; NULL: it is not in use */
+    bool *system;   /* [particles]: of the frame; NULL likewise */
+    bool *escaped;  /* [particles]: of the frame */
     dl_model *model;
     dl_observe_options options;
     dl_bins bins;
@@ -37,5 +42,8 @@ typedef struct dl_observable_entry {
 } dl_observable_entry;
 
 const dl_observable_entry *dl_observable_entry_at(size_t index);
+
+/* DL_INPUT where the scene has no groups that leave one another; `what` asks for them. */
+dl_status dl_groups_apply(const dl_measuring *m, const char *what, dl_error *error);
 
 #endif

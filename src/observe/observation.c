@@ -100,15 +100,35 @@ static dl_status classify(dl_measuring *m, dl_error *error) {
 static dl_status reserve(dl_measuring *m, dl_error *error) {
     const size_t n = m->scene->particles, most = n > m->bins.count ? n : m->bins.count;
     m->work = malloc(4 * most * sizeof *m->work);
-    return m->work ? DL_OK : dl_fail_memory(error, "an observation");
+    m->escaped = calloc(n, sizeof *m->escaped);
+    return m->work && m->escaped ? DL_OK : dl_fail_memory(error, "an observation");
+}
+
+/* The others of the scene are pinned in the view. */
+static dl_status prepare_view(dl_measuring *m, dl_error *error) {
+    const size_t n = m->whole->particles;
+    dl_status status = dl_groups_apply(m, "the system alone", error);
+    if (status)
+        return status;
+    m->left_out = calloc(n, sizeof *m->left_out);
+    m->system = calloc(n, sizeof *m->system);
+    if (!m->left_out || !m->system)
+        return dl_fail_memory(error, "an observation");
+    memcpy(m->left_out, m->whole->pinned, n * sizeof *m->left_out);
+    m->view = *m->whole;
+    m->view.pinned = m->left_out;
+    m->scene = &m->view;
+    return DL_OK;
 }
 
 static dl_status prepare(dl_measuring *m, double lowest, double highest, dl_error *error) {
-    dl_status status = dl_model_create(m->scene, &m->model, error);
+    dl_status status = dl_model_create(m->whole, &m->model, error);
     if (!status)
         status = choose(m, lowest, highest, error);
     if (!status)
         status = classify(m, error);
+    if (!status && m->options.of_system)
+        status = prepare_view(m, error);
     if (!status)
         status = reserve(m, error);
     if (!status)
@@ -175,7 +195,7 @@ dl_status dl_observation_create(const dl_scene *scene, const dl_observe_options 
     dl_observation *o = calloc(1, sizeof *o);
     if (!o)
         return dl_fail_memory(error, "an observation");
-    o->measuring.scene = scene;
+    o->measuring.scene = o->measuring.whole = scene;
     o->measuring.options = *options;
     o->frames = frames;
     o->batches = frames < most_batches ? frames : most_batches;
@@ -210,16 +230,35 @@ void dl_observation_free(dl_observation *observation) {
     free(m->mass_class);
     free(m->class_of);
     free(m->work);
+    free(m->left_out);
+    free(m->system);
+    free(m->escaped);
     dl_model_free(m->model);
     free(observation);
 }
 
 /* --- frames ----------------------------------------------------------------------------------- */
 
+/* What the system is in this frame. */
+static dl_status look_at_system(dl_measuring *m, const double *y_all, dl_error *error) {
+    const dl_scene *const whole = m->whole;
+    const dl_status status = dl_observe_system(whole, y_all, m->options.link, m->system, error);
+    for (size_t k = 0; k < m->classes; k++)
+        m->mass_class[k].particles = 0;
+    for (size_t i = 0; i < whole->particles && !status; i++) {
+        m->left_out[i] = whole->pinned[i] || !m->system[i];
+        if (!m->left_out[i])
+            m->mass_class[m->class_of[i]].particles++;
+    }
+    return status;
+}
+
 dl_status dl_observation_warm(dl_observation *observation, double time, const double *y_all,
                               dl_error *error) {
     dl_measuring *const m = &observation->measuring;
-    const dl_status status = dl_thermometer_add(m->measured, time, y_all, error);
+    dl_status status = m->system ? look_at_system(m, y_all, error) : DL_OK;
+    if (!status)
+        status = dl_thermometer_add(m->measured, time, y_all, error);
     return status ? status : dl_thermometer_add(m->state, time, y_all, error);
 }
 
@@ -278,5 +317,17 @@ void dl_observation_get(const dl_observation *observation, size_t index, dl_obse
         .label = t->entry->row.rows == DL_ROWS_SYSTEM ? NULL : t->label,
         .mean = t->mean,
         .error = t->error,
+        .present = t->present,
     };
+}
+
+const bool *dl_observation_escaped(const dl_observation *observation) {
+    for (size_t k = 0; k < observation->tables; k++)
+        if (strcmp(observation->table[k].entry->row.name, "escaped") == 0)
+            return observation->measuring.escaped;
+    return NULL;
+}
+
+const bool *dl_observation_system(const dl_observation *observation) {
+    return observation->measuring.system;
 }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 #include "scene/initial.h"
+#include "scene/spacing.h"
 
 typedef struct box {
     double low[3], high[3];
@@ -35,27 +36,6 @@ static dl_status read_box(const dl_initial *initial, const dl_yaml_node *node, b
     return DL_OK;
 }
 
-/* Squared distance from the nearest copy. */
-static double squared_distance(const dl_periods *periods, const double a[3], const double b[3]) {
-    double sum = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        const double length = periods->length[axis];
-        double d = a[axis] - b[axis];
-        if (length > 0)
-            d -= length * nearbyint(d / length);
-        sum += d * d;
-    }
-    return sum;
-}
-
-static bool far_enough(const dl_particles *particles, const double position[3], double distance) {
-    for (size_t i = 0; i < particles->count && distance > 0; i++)
-        if (squared_distance(&particles->scene->periods, position,
-                             particles->particle[i].position) < distance * distance)
-            return false;
-    return true;
-}
-
 static dl_status too_dense(const dl_initial *initial, const dl_yaml_node *node,
                            const dl_random_values *values, long placed, dl_error *error) {
     char distance[40];
@@ -68,20 +48,39 @@ static dl_status too_dense(const dl_initial *initial, const dl_yaml_node *node,
 }
 
 static dl_status place_one(dl_initial *initial, const box *b, const dl_random_values *values,
-                           bool *placed, dl_error *error) {
+                           dl_spacing *spacing, bool *placed, dl_error *error) {
     dl_particles *const particles = initial->particles;
     dl_random_begin(initial->random, particles->count - initial->first, DL_RANDOM_POSITION);
     for (long i = 0; i < values->tries; i++) {
         double position[3] = {0};
         for (int axis = 0; axis < particles->dimension; axis++)
             position[axis] = dl_random_uniform(initial->random, b->low[axis], b->high[axis]);
-        if (far_enough(particles, position, values->minimum_distance)) {
-            *placed = true;
-            return dl_initial_add(initial, position, error);
-        }
+        if (!dl_spacing_allows(spacing, position))
+            continue;
+        *placed = true;
+        const dl_status status = dl_initial_add(initial, position, error);
+        if (!status)
+            dl_spacing_add(spacing, particles->count - 1);
+        return status;
     }
     *placed = false;
     return DL_OK;
+}
+
+static dl_status place_all(dl_initial *initial, const dl_yaml_node *node, const box *b,
+                           const dl_random_values *values, dl_error *error) {
+    dl_spacing spacing;
+    dl_status status =
+        dl_spacing_create(initial->particles, values->minimum_distance,
+                          initial->particles->count + (size_t)values->count, &spacing, error);
+    for (long i = 0; i < values->count && !status; i++) {
+        bool placed;
+        status = place_one(initial, b, values, &spacing, &placed, error);
+        if (!status && !placed)
+            status = too_dense(initial, node, values, i, error);
+    }
+    dl_spacing_free(&spacing);
+    return status;
 }
 
 dl_status dl_initial_place_random(dl_initial *initial, dl_error *error) {
@@ -92,11 +91,5 @@ dl_status dl_initial_place_random(dl_initial *initial, dl_error *error) {
         dl_scene_read_section(initial->yaml, node, &dl_section_random, &values, error);
     if (!status)
         status = read_box(initial, node, &b, error);
-    for (long i = 0; i < values.count && !status; i++) {
-        bool placed;
-        status = place_one(initial, &b, &values, &placed, error);
-        if (!status && !placed)
-            status = too_dense(initial, node, &values, i, error);
-    }
-    return status;
+    return status ? status : place_all(initial, node, &b, &values, error);
 }

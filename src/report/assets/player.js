@@ -140,11 +140,11 @@ const writePlayers = (() => {
     context.closePath();
   };
 
-  const drawFigures = (context, film, frame, xs, ys, radius) => {
+  const drawFigures = (context, film, frame, xs, ys, radius, members) => {
     film.states.forEach((look, state) => {
       if (!look.corners) return;
       context.beginPath();
-      for (let i = 0; i < film.particles; i++)
+      for (const i of members)
         if (film.state[frame * film.particles + i] === state)
           polygon(context, xs[i], ys[i], radius * film.size[i], look);
       context.fillStyle = hex(look.fill);
@@ -155,38 +155,30 @@ const writePlayers = (() => {
     });
   };
 
-  /* One path a colour. Returns how many are within the plot. */
-  const drawCircles = (context, film, view, xs, ys, radius, {colours}, ranks) => {
-    const members = colours.map(() => []);
-    let drawn = 0;
-    for (let i = 0; i < film.particles; i++)
-      if (xs[i] >= view.left - 0.5 && xs[i] <= view.left + view.width + 0.5
-          && ys[i] >= view.top - 0.5 && ys[i] <= view.top + view.height + 0.5) {
-        members[ranks[i]].push(i);
-        drawn++;
-      }
+  const withinPlot = (view, xs, ys) => [...xs.keys()].filter(i =>
+    xs[i] >= view.left - 0.5 && xs[i] <= view.left + view.width + 0.5
+    && ys[i] >= view.top - 0.5 && ys[i] <= view.top + view.height + 0.5);
+
+  /* In one path. */
+  const drawCircles = (context, film, xs, ys, radius, colour, members) => {
     context.strokeStyle = OUTLINE;
     context.lineWidth = Math.min(0.9, 0.15 * radius + 0.3);
-    members.forEach((particles, rank) => {
-      if (!particles.length) return;
-      context.beginPath();
-      for (const i of particles) {
-        const r = radius * film.size[i];
-        context.moveTo(xs[i] + r, ys[i]);
-        context.arc(xs[i], ys[i], r, 0, 2 * Math.PI);
-      }
-      context.fillStyle = colours[rank];
-      context.fill();
-      context.stroke();
-    });
-    return drawn;
+    context.beginPath();
+    for (const i of members) {
+      const r = radius * film.size[i];
+      context.moveTo(xs[i] + r, ys[i]);
+      context.arc(xs[i], ys[i], r, 0, 2 * Math.PI);
+    }
+    context.fillStyle = colour;
+    context.fill();
+    context.stroke();
   };
 
-  const drawPins = (context, film, xs, ys, radius) => {
+  const drawPins = (context, film, xs, ys, radius, members) => {
     context.strokeStyle = INK;
     context.lineWidth = 1.2;
     context.beginPath();
-    for (const i of film.pinned) {
+    for (const i of members) {
       const d = 0.6 * radius * film.size[i];
       context.moveTo(xs[i] - d, ys[i] - d);
       context.lineTo(xs[i] + d, ys[i] + d);
@@ -194,6 +186,15 @@ const writePlayers = (() => {
       context.lineTo(xs[i] + d, ys[i] - d);
     }
     context.stroke();
+  };
+
+  /* The farther first, as in pictures: who has the plane's axes to the right and up looks from +z at
+   * xy, from +x at yz, but from -y at xz. */
+  const byDepth = (film, frame, plane, members) => {
+    const from = at(film, frame, 3 - plane[0] - plane[1]);
+    const towards = plane[0] === 0 && plane[1] === 2 ? -1 : 1;
+    return members.sort((a, b) =>
+      towards * (film.position[from + a] - film.position[from + b]) || a - b);
   };
 
   /* What is usually the fastest reaches past the next particle, the fastest of all not far. */
@@ -293,17 +294,35 @@ const writePlayers = (() => {
     plane.forEach((axis, k) => drawAxis(context, view, k, "xyz"[axis]));
   };
 
+  /* Where one may hide another each is drawn by itself, else those of a colour together. */
+  const batches = (film, frame, plane, members, {colours}, ranks) => {
+    if (film.dimension === 3)
+      return byDepth(film, frame, plane, members).map(i => ({colour: colours[ranks[i]], of: [i]}));
+    const of = colours.map(() => []);
+    for (const i of members) of[ranks[i]].push(i);
+    return of.map((particles, rank) => ({colour: colours[rank], of: particles}))
+      .filter(batch => batch.of.length);
+  };
+
   const drawParticles = (context, film, view, frame, plane, shown) => {
     const [xs, ys] = plane.map((axis, k) => coordinates(film, frame, axis)
       .map(k ? view.y : view.x));
     const shrink = shown.arrows ? SHRINK.arrows : shown.colour === "state" ? SHRINK.state : 1;
-    const radius = shrink * radiusOf(film, view);
-    if (shown.colour === "state") drawFigures(context, film, frame, xs, ys, radius);
-    const drawn = drawCircles(context, film, view, xs, ys, radius, shown.colouring,
-                              shown.colouring.of(frame));
-    if (film.pinned.length) drawPins(context, film, xs, ys, radius);
+    const radius = shrink * radiusOf(film, view), members = withinPlot(view, xs, ys);
+    const pinned = new Set(film.pinned), inDepth = film.dimension === 3;
+    const figures = of => {
+      if (shown.colour === "state") drawFigures(context, film, frame, xs, ys, radius, of);
+    };
+    if (!inDepth) figures(members);
+    for (const batch of batches(film, frame, plane, members, shown.colouring,
+                                shown.colouring.of(frame))) {
+      if (inDepth) figures(batch.of);
+      drawCircles(context, film, xs, ys, radius, batch.colour, batch.of);
+      if (inDepth && pinned.has(batch.of[0])) drawPins(context, film, xs, ys, radius, batch.of);
+    }
+    if (!inDepth && pinned.size) drawPins(context, film, xs, ys, radius, film.pinned);
     if (shown.arrows) drawArrows(context, film, frame, plane, view, xs, ys);
-    return drawn;
+    return members.length;
   };
 
   const drawFrame = (canvas, film, view, frame, plane, shown) => {
@@ -635,7 +654,8 @@ const writePlayers = (() => {
 
   const describe = film => [
     `${film.particles} particles, ${count(film.frames)} frames`,
-    film.stride > 1 ? `1 of every ${film.stride} shown` : "",
+    film.stride > 1 ? `1 of every ${film.stride} shown, ${count(film.count)} in all, so that the `
+                      + "page stays small: what happens between them is not seen" : "",
     film.options].filter(Boolean).join(" · ");
 
   const writeOne = (page, script, title) => {
