@@ -1054,6 +1054,27 @@ static void what_cannot_be_located_is_refused(void **state) {
     }
 }
 
+static bool run_prints(const char *scene, const char *expected) {
+    char command[512], line[256];
+    bool found = false;
+    snprintf(command, sizeof command,
+             DL_PROGRAM " run " DL_STUDIES "/breakpoints/%s --method gsl-rk8pd --rtol 1e-10",
+             scene);
+    FILE *const out = popen(command, "r");
+    assert_non_null(out);
+    while (fgets(line, sizeof line, out))
+        found |= strstr(line, expected) != NULL;
+    assert_int_equal(pclose(out), 0);
+    return found;
+}
+
+/* Four bounces. */
+static void runs_tell_how_many(void **state) {
+    (void)state;
+    assert_true(run_prints("pair-located.yaml", "crossings located          8\n"));
+    assert_false(run_prints("pair-hard.yaml", "crossings"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_method_is_exact_on_a_bounce),
@@ -1085,6 +1106,7 @@ int main(void) {
         cmocka_unit_test(squares_of_paths_are_paths),
         cmocka_unit_test(scenes_ask_for_it),
         cmocka_unit_test(what_cannot_be_located_is_refused),
+        cmocka_unit_test(runs_tell_how_many),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
