@@ -147,9 +147,11 @@ static void verdicts_follow_the_rule(void **state) {
         {"98", DL_RULE_EQUAL, 0, INFINITY, 0, NAN, 0.5, DL_NOT_COMPUTABLE},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char published[32];
+        char published[32], computed[] = "mass", reason[] = "";
         snprintf(published, sizeof published, "%s", cases[i].published);
         dl_paper_claim claim = {.published = published,
+                                .computed = computed,
+                                .reason = reason,
                                 .rule = cases[i].rule,
                                 .digit = cases[i].digit,
                                 .within = cases[i].within,
@@ -293,6 +295,81 @@ static void finished_runs_are_kept(void **state) {
     snprintf(path, sizeof path, "%s/swing.json", runs);
     assert_int_equal(truncate(path, 20), 0); /* a damaged record is none */
     assert_int_equal(fate_of(paper), DL_RUN_FINISHED);
+    dl_paper_free(paper);
+}
+
+/* Whatever part of its file is left, down to nothing. */
+static void a_damaged_run_is_made_again(void **state) {
+    (void)state;
+    char path[128];
+    struct stat info;
+    dl_paper *paper = read_paper(small);
+    snprintf(path, sizeof path, "%s/swing.h5", runs);
+    assert_int_equal(fate_of(paper), DL_RUN_FINISHED);
+    assert_int_equal(stat(path, &info), 0);
+    const off_t whole = info.st_size, left[] = {whole - 1, whole / 2, 100, 0};
+    for (size_t k = 0; k < sizeof left / sizeof *left; k++) {
+        assert_int_equal(truncate(path, left[k]), 0);
+        dl_paper_report *report = run_paper(paper, false);
+        assert_int_equal(report->run[0].fate, DL_RUN_FINISHED);
+        assert_int_equal(report->row[8].verdict, DL_AGREES); /* read from its frames */
+        dl_paper_report_free(report);
+        assert_int_equal(fate_of(paper), DL_RUN_KEPT);
+    }
+    dl_paper_free(paper);
+}
+
+/* What was put in agrees but proves nothing; what is not computed says why; a change is between two
+ * steps; a table can be added up. */
+static void rows_of_other_kinds(void **state) {
+    (void)state;
+    dl_paper *paper = read_paper(
+        HEAD
+        "runs:\n  - {name: swing, scene: pair.yaml, end: 0.5}\n"
+        "claims:\n" CLAIM("in", "2", "input: true, computed: particles, scene: pair.yaml")
+            CLAIM("in but wrong", "3", "input: true, computed: particles, scene: pair.yaml")
+                CLAIM("words", "irregular", "computed: none, reason: in words alone")
+                    CLAIM("then", "1", "computed: y, run: swing, step: 500")
+                        CLAIM("first", "1", "computed: y, run: swing, step: 100")
+                            CLAIM("change", "1", "computed: y, run: swing, step: 500, since: 100")
+                                CLAIM("end", "0.5", "computed: end, run: swing"));
+    static const dl_verdict expected[] = {DL_INPUT_DATA, DL_DIFFERS, DL_NOT_COMPUTABLE};
+    dl_paper_report *report = run_paper(paper, false);
+    const dl_paper_row *row = report->row;
+    for (size_t i = 0; i < 3; i++)
+        assert_int_equal(row[i].verdict, expected[i]);
+    assert_string_equal(row[2].reason, "in words alone");
+    assert_string_equal(row[2].rule, "not judged");
+    assert_int_equal(dl_paper_count(report, DL_INPUT_DATA), 1);
+    assert_true(fabs(row[5].value - (row[3].value - row[4].value)) < 1e-15);
+    assert_true(fabs(row[5].value) > 1e-3);
+    assert_int_equal(row[6].verdict, DL_AGREES);
+    dl_paper_report_free(report);
+    dl_paper_free(paper);
+}
+
+/* Three layers of two at mean heights 0.1, 1.1 and 2.6, and one particle that fills none. */
+static void layers_are_counted_from_below(void **state) {
+    (void)state;
+    write_text("layers.yaml",
+               "name: layers\nsource: test\ndimension: 2\nparticles:\n"
+               "  - {at: [0, 2.5]}\n  - {at: [1, 2.7]}\n  - {at: [0, 0]}\n  - {at: [1, 0.2]}\n"
+               "  - {at: [0, 1.2]}\n  - {at: [1, 1]}\n  - {at: [0, 9]}\n"
+               "pair_law:\n  - {until: 3, terms: [{coefficient: 1, power: 2}]}\n"
+               "time: {step: 1.0e-3, end: 1, sample: 0.1}\n");
+    dl_paper *paper = read_paper(
+        HEAD "claims:\n" CLAIM("a", "1.0000", "computed: layer-least, span: 2, scene: layers.yaml")
+            CLAIM("b", "1.5000", "computed: layer-most, span: 2, scene: layers.yaml")
+                CLAIM("c", "1", "computed: layer-most, span: 4, scene: layers.yaml") CLAIM(
+                    "d", "7",
+                    "computed: density.particles, bin: 0.5, total: true, scene: layers.yaml"));
+    static const dl_verdict expected[] = {DL_AGREES, DL_AGREES, DL_NOT_COMPUTABLE, DL_AGREES};
+    dl_paper_report *report = run_paper(paper, false);
+    for (size_t i = 0; i < 4; i++)
+        if (report->row[i].verdict != expected[i])
+            fail_msg("%s: computed %.6g (%s)", report->row[i].what, report->row[i].value,
+                     report->row[i].reason);
+    dl_paper_report_free(report);
     dl_paper_free(paper);
 }
 
@@ -508,6 +585,11 @@ static void bad_papers_are_refused(void **state) {
          ":8: ", "as long as the others"},
         {HEAD "claims:\n  - {part: one, what: a, where: x, computed: mass, scene: pair.yaml}\n",
          ":5: ", "published"},
+        {HEAD "claims:\n" CLAIM("a", "one", "computed: none"), ":5: ", "reason: found none"},
+        {HEAD "claims:\n" CLAIM("a", "1", "reason: b, computed: mass, scene: pair.yaml"),
+         ":5: ", "`computed: none` alone"},
+        {HEAD "claims:\n" CLAIM("a", "1", "since: 1, computed: mass, scene: pair.yaml"),
+         ":5: ", "a run beside it"},
         {HEAD "claims: 3\n", ":4: ", "a list"},
         {HEAD "runs:\n  - {name: swing, scene: pair.yaml, method: leapfrogg}\n",
          ":5: ", "did you mean \"leapfrog\""},
@@ -623,7 +705,7 @@ static void the_command_tells_everything(void **state) {
     free(text);
     text = command("paper.yaml --long --out test.html", &code);
     assert_int_equal(code, 0);
-    assert_non_null(strstr(text, "7 agree, 1 differ, 2 not computable"));
+    assert_non_null(strstr(text, "7 agree, 1 differ, 0 put in, 2 not computable"));
     free(text);
     char path[128];
     snprintf(path, sizeof path, "rm -r %s/test.html.runs", folder);
@@ -639,6 +721,7 @@ static void the_command_refuses_what_it_does_not_know(void **state) {
         {"TR171 --studies nowhere", "--studies"},
         {"none.yaml", "none.yaml"},
         {"TR171 --lnog", "did you mean \"--long\""},
+        {"TR171 --studies " DL_STUDIES " --out p.txt", "--out: found \"p.txt\""},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         int code;
@@ -655,6 +738,9 @@ int main(void) {
         cmocka_unit_test_setup(claims_get_their_verdicts, clean),
         cmocka_unit_test_setup(the_page_holds_all_of_it, clean),
         cmocka_unit_test_setup(finished_runs_are_kept, clean),
+        cmocka_unit_test_setup(a_damaged_run_is_made_again, clean),
+        cmocka_unit_test_setup(rows_of_other_kinds, clean),
+        cmocka_unit_test_setup(layers_are_counted_from_below, clean),
         cmocka_unit_test_setup(a_killed_run_goes_on, clean),
         cmocka_unit_test_setup(an_interrupt_keeps_what_is_finished, clean),
         cmocka_unit_test_setup(a_run_starts_from_another, clean),

@@ -21,9 +21,14 @@ const char *dl_paper_name(const dl_paper *paper);
 /* `driftlab help paper`: every key and every quantity, from the tables the reader uses. */
 void dl_paper_help(FILE *out);
 
-typedef enum dl_verdict { DL_AGREES, DL_DIFFERS, DL_NOT_COMPUTABLE } dl_verdict;
+typedef enum dl_verdict {
+    DL_AGREES,
+    DL_DIFFERS,
+    DL_INPUT_DATA, /* it agrees since it was put in: the scene's own data */
+    DL_NOT_COMPUTABLE
+} dl_verdict;
 
-/* "agrees", "differs", "not computable". */
+/* "agrees", "differs", "input", "not computable". */
 const char *dl_verdict_name(dl_verdict verdict);
 
 /* A published number. Texts without a comment belong to the paper. */

@@ -142,9 +142,17 @@ static dl_status read_papers(work *w, const char *name, dl_error *error) {
                                             : read_known(w, name, error);
 }
 
+static bool is_page(const char *path) {
+    const char *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
+    return dot && strcmp(dot, ".html") == 0 && dot != path && dot != (slash ? slash + 1 : path);
+}
+
 static dl_status choose_out(work *w, const char *name, dl_error *error) {
     const char *out = w->values->out;
     const bool all = strcmp(name, "all") == 0;
+    if (out && !is_page(out))
+        return dl_fail(error, DL_INPUT,
+                       "--out: found \"%s\", expected a page's name, one that ends in .html", out);
     const size_t length = (size_t)(out ? snprintf(w->out, sizeof w->out, "%s", out)
                                        : snprintf(w->out, sizeof w->out, "%s.html",
                                                   all ? "papers" : dl_paper_name(w->paper[0])));
@@ -172,8 +180,9 @@ static void print_report(const dl_paper_report *report) {
     for (size_t i = 0; i < report->figures; i++)
         if (!report->figure[i].svg)
             printf("  no picture for %s: %s\n", report->figure[i].figure, report->figure[i].reason);
-    printf("  %zu agree, %zu differ, %zu not computable\n\n", dl_paper_count(report, DL_AGREES),
-           dl_paper_count(report, DL_DIFFERS), dl_paper_count(report, DL_NOT_COMPUTABLE));
+    printf("  %zu agree, %zu differ, %zu put in, %zu not computable\n\n",
+           dl_paper_count(report, DL_AGREES), dl_paper_count(report, DL_DIFFERS),
+           dl_paper_count(report, DL_INPUT_DATA), dl_paper_count(report, DL_NOT_COMPUTABLE));
 }
 
 static json_t *row_json(const dl_paper_row *row) {

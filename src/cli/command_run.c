@@ -176,6 +176,16 @@ static void show_progress(void *context, double fraction, double seconds) {
     cli_show_progress(line);
 }
 
+/* An end or an interval that was given here is named as it was given. */
+static void name_option(const char *key, const char *option, dl_error *error) {
+    char text[DL_MESSAGE_SIZE];
+    const size_t length = strlen(key);
+    if (strncmp(error->message, key, length) != 0)
+        return;
+    memcpy(text, error->message, sizeof text);
+    dl_fail(error, DL_INPUT, "%s%s", option, text + length);
+}
+
 static dl_status integrate(job *work, const run_values *values, dl_run_summary *summary,
                            dl_error *error) {
     dl_run_options how;
@@ -195,6 +205,10 @@ static dl_status integrate(job *work, const run_values *values, dl_run_summary *
     if (progress)
         how.on_progress = show_progress;
     dl_status status = dl_run(work->scene, work->row, work->options, &how, summary, NULL, error);
+    if (status == DL_INPUT && values->t_end > 0)
+        name_option("end: ", "--t-end: ", error);
+    if (status == DL_INPUT && values->sample > 0)
+        name_option("sample: ", "--sample: ", error);
     if (progress)
         cli_show_progress(NULL);
     if (work->trajectory) {

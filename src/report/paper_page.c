@@ -51,8 +51,10 @@ static void put_computed(FILE *out, const dl_paper_row *row) {
 }
 
 static const char *verdict_class(dl_verdict verdict) {
-    static const char *const names[] = {
-        [DL_AGREES] = "agrees", [DL_DIFFERS] = "differs", [DL_NOT_COMPUTABLE] = "not-computable"};
+    static const char *const names[] = {[DL_AGREES] = "agrees",
+                                        [DL_DIFFERS] = "differs",
+                                        [DL_INPUT_DATA] = "input",
+                                        [DL_NOT_COMPUTABLE] = "not-computable"};
     return names[verdict];
 }
 
@@ -79,7 +81,8 @@ static void put_claim(FILE *out, const dl_paper_row *row, const char *said) {
     fprintf(out, "</td><td><span class=\"verdict %s\">%s</span></td><td class=\"judged\">",
             verdict_class(row->verdict), dl_verdict_name(row->verdict));
     put(out, row->from);
-    fputs("<br>", out);
+    if (*row->from)
+        fputs("<br>", out);
     put(out, row->rule);
     if (*row->reason)
         put_element(out, "div", "note", row->reason);
@@ -296,8 +299,10 @@ static void put_runs(FILE *out, const dl_paper_report *report) {
 }
 
 static void put_paper(FILE *out, const dl_paper_report *report, size_t *number) {
-    static const char *const several[] = {
-        [DL_AGREES] = "agree", [DL_DIFFERS] = "differ", [DL_NOT_COMPUTABLE] = "not computable"};
+    static const char *const several[] = {[DL_AGREES] = "agree",
+                                          [DL_DIFFERS] = "differ",
+                                          [DL_INPUT_DATA] = "put in",
+                                          [DL_NOT_COMPUTABLE] = "not computable"};
     fprintf(out, "<article class=\"paper\" id=\"%s\">\n", report->name);
     put_element(out, "h1", "", report->title);
     put_element(out, "p", "quiet", report->source);

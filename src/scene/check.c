@@ -1,5 +1,7 @@
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include "driftlab/parameter.h"
 #include "scene/draft.h"
 #include "scene/periods.h"
@@ -59,34 +61,116 @@ static void write_position(const dl_particle *particle, int dimension, char *tex
              number[2]);
 }
 
-static dl_status coincident(const dl_particles *particles, size_t first, size_t second,
-                            size_t others, dl_error *error) {
-    const dl_particle *const a = &particles->particle[first];
-    const dl_particle *const b = &particles->particle[second];
-    char position[128], more[64] = "";
+/* Pairs that a message names, and counts: all particles may be in one place. */
+enum { most_named = 8, most_counted = 1000 };
+
+typedef struct pair {
+    size_t first, second;
+    double apart;
+} pair;
+
+/* Pairs nearer than this part of the mean spacing are named as well where others coincide: most
+ * often they are slips of the same kind. */
+static const double hardly_apart = 0.02;
+
+/* Where the pair stands: lines alone where they are in the file that has been named. */
+static size_t write_pair(const dl_particles *particles, const pair *named, const char *file,
+                         char *text, size_t size) {
+    const dl_particle *const a = &particles->particle[named->first];
+    const dl_particle *const b = &particles->particle[named->second];
+    char position[128], apart[48] = "";
     write_position(b, particles->dimension, position, sizeof position);
-    if (others)
-        snprintf(more, sizeof more, " (and %zu more such pair%s)", others, others > 1 ? "s" : "");
+    if (named->apart > 0)
+        snprintf(apart, sizeof apart, ", %.2g apart", named->apart);
+    const bool same = strcmp(a->file, file) == 0 && strcmp(b->file, file) == 0;
+    const int length =
+        same ? snprintf(text, size, "lines %d and %d at %s%s", a->line, b->line, position, apart)
+             : snprintf(text, size, "%s:%d and %s:%d at %s%s", a->file, a->line, b->file, b->line,
+                        position, apart);
+    return length < 0 ? size : (size_t)length;
+}
+
+static dl_status coincident(const dl_particles *particles, const pair *named, size_t found,
+                            dl_error *error) {
+    const dl_particle *const a = &particles->particle[named->first];
+    const dl_particle *const b = &particles->particle[named->second];
+    char position[128], others[DL_MESSAGE_SIZE] = "";
+    size_t length = 0, k = 1;
+    write_position(b, particles->dimension, position, sizeof position);
+    for (; k < found && k < most_named && length < sizeof others; k++) {
+        length += (size_t)snprintf(others + length, sizeof others - length, "; ");
+        if (length < sizeof others)
+            length +=
+                write_pair(particles, &named[k], b->file, others + length, sizeof others - length);
+    }
+    if (k < found && length < sizeof others)
+        snprintf(others + length, sizeof others - length, "; %zu%s more such pair%s", found - k,
+                 found < most_counted ? "" : " or", found - k > 1 ? "s" : "");
     return dl_fail(error, DL_INPUT,
                    "%s:%d: position: found %s, where the particle of %s:%d already is, expected "
                    "particles at different places%s",
-                   b->file, b->line, position, a->file, a->line, more);
+                   b->file, b->line, position, a->file, a->line, others);
 }
 
-/* The pair whose second particle comes first in the scene. */
-static dl_status find_coincident(const dl_particles *particles, const place *places,
-                                 dl_error *error) {
-    size_t first = 0, second = particles->count, found = 0;
-    for (size_t i = 1; i < particles->count; i++) {
-        if (compare_positions(places[i - 1].position, places[i].position) != 0)
-            continue;
-        found++;
-        if (places[i].particle < second) {
-            first = places[i - 1].particle;
-            second = places[i].particle;
+/* Mean spacing in the box that just holds all. */
+static double mean_spacing(const dl_particles *particles) {
+    double volume = 1;
+    for (int axis = 0; axis < particles->dimension; axis++) {
+        double low = INFINITY, high = -INFINITY;
+        for (size_t i = 0; i < particles->count; i++) {
+            low = fmin(low, particles->particle[i].position[axis]);
+            high = fmax(high, particles->particle[i].position[axis]);
         }
+        volume *= high - low;
     }
-    return found ? coincident(particles, first, second, found - 1, error) : DL_OK;
+    return pow(volume / (double)particles->count, 1.0 / particles->dimension);
+}
+
+static bool comes_before(const pair *a, const pair *b) {
+    if ((a->apart > 0) != (b->apart > 0))
+        return !(a->apart > 0);
+    return a->second < b->second;
+}
+
+/* Those that come first are kept, in order. */
+static void keep_pair(pair named[most_named], size_t found, const pair *next) {
+    size_t at = found < most_named ? found : most_named;
+    for (; at > 0 && comes_before(next, &named[at - 1]); at--)
+        if (at < most_named)
+            named[at] = named[at - 1];
+    if (at < most_named)
+        named[at] = *next;
+}
+
+static double distance(const place *a, const place *b) {
+    double square = 0;
+    for (int axis = 0; axis < 3; axis++)
+        square += (a->position[axis] - b->position[axis]) * (a->position[axis] - b->position[axis]);
+    return sqrt(square);
+}
+
+/* Pairs not farther apart than `within`, those that coincide first, in the order of their second
+ * particles. Places are in the order of their first coordinates. */
+static size_t find_pairs(const dl_particles *particles, const place *places, double within,
+                         pair named[most_named]) {
+    size_t found = 0;
+    for (size_t i = 1; i < particles->count; i++)
+        for (size_t j = i; j-- > 0 && found < most_counted;) {
+            if (!(places[i].position[0] - places[j].position[0] <= within))
+                break;
+            const double apart = distance(&places[j], &places[i]);
+            const size_t a = places[j].particle, b = places[i].particle;
+            if (apart <= within)
+                keep_pair(named, found++, &(pair){a < b ? a : b, a < b ? b : a, apart});
+        }
+    return found;
+}
+
+static bool any_coincide(const dl_particles *particles, const place *places) {
+    for (size_t i = 1; i < particles->count; i++)
+        if (compare_positions(places[i - 1].position, places[i].position) == 0)
+            return true;
+    return false;
 }
 
 static dl_status check_coincidence(const dl_particles *particles, const dl_periods *periods,
@@ -101,9 +185,13 @@ static dl_status check_coincidence(const dl_particles *particles, const dl_perio
             places[i].position[axis] = dl_periods_key(periods, axis, x[axis]);
     }
     qsort(places, particles->count, sizeof *places, compare_places);
-    const dl_status status = find_coincident(particles, places, error);
+    pair named[most_named];
+    const size_t found =
+        any_coincide(particles, places)
+            ? find_pairs(particles, places, hardly_apart * mean_spacing(particles), named)
+            : 0;
     free(places);
-    return status;
+    return found ? coincident(particles, named, found, error) : DL_OK;
 }
 
 /* --- all -------------------------------------------------------------------------------------- */

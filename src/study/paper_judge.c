@@ -7,8 +7,10 @@
 #include "study/paper_plan.h"
 
 const char *dl_verdict_name(dl_verdict verdict) {
-    static const char *const names[] = {
-        [DL_AGREES] = "agrees", [DL_DIFFERS] = "differs", [DL_NOT_COMPUTABLE] = "not computable"};
+    static const char *const names[] = {[DL_AGREES] = "agrees",
+                                        [DL_DIFFERS] = "differs",
+                                        [DL_INPUT_DATA] = "input",
+                                        [DL_NOT_COMPUTABLE] = "not computable"};
     return names[verdict];
 }
 
@@ -20,8 +22,22 @@ static double last_digit(const char *text) {
     return pow(10, (power ? strtod(power + 1, NULL) : 0) - (double)decimals);
 }
 
+bool dl_paper_has_no_number(const dl_paper_claim *claim) {
+    return strcmp(claim->computed, "none") == 0;
+}
+
 dl_status dl_paper_claim_prepare(dl_paper_claim *claim, dl_error *error) {
     char *end;
+    claim->value = claim->tolerance = NAN;
+    if (dl_paper_has_no_number(claim))
+        return *claim->reason ? DL_OK
+                              : dl_fail(error, DL_INPUT,
+                                        "reason: found none, expected why nothing is computed");
+    if (*claim->reason)
+        return dl_fail(error, DL_INPUT,
+                       "reason: found \"%.80s\", expected it beside `computed: "
+                       "none` alone",
+                       claim->reason);
     claim->value = strtod(claim->published, &end);
     if (end == claim->published || *end || !isfinite(claim->value))
         return dl_fail(error, DL_INPUT, "published: found \"%s\", expected a number",
@@ -39,7 +55,9 @@ dl_status dl_paper_claim_prepare(dl_paper_claim *claim, dl_error *error) {
 }
 
 static void write_rule(const dl_paper_claim *claim, char *text, size_t size) {
-    if (claim->rule == DL_RULE_AT_LEAST)
+    if (dl_paper_has_no_number(claim))
+        snprintf(text, size, "not judged");
+    else if (claim->rule == DL_RULE_AT_LEAST)
         snprintf(text, size, "at least what is printed");
     else if (claim->rule == DL_RULE_AT_MOST)
         snprintf(text, size, "at most what is printed");
@@ -67,6 +85,8 @@ void dl_paper_judge(const dl_paper_claim *claim, dl_paper_row *row) {
     row->tolerance = claim->tolerance;
     if (!isfinite(row->value))
         row->verdict = DL_NOT_COMPUTABLE;
+    else if (!holds(claim, row->difference))
+        row->verdict = DL_DIFFERS;
     else
-        row->verdict = holds(claim, row->difference) ? DL_AGREES : DL_DIFFERS;
+        row->verdict = claim->input ? DL_INPUT_DATA : DL_AGREES;
 }

@@ -32,7 +32,11 @@ typedef enum dl_paper_rule { DL_RULE_EQUAL, DL_RULE_AT_LEAST, DL_RULE_AT_MOST } 
 typedef struct dl_paper_claim {
     dl_paper_source source;
     char *part, *what, *where, *unit, *note, *published, *computed;
+    char *reason; /* why nothing is computed; "" where something is */
     int rule;
+    bool input;                  /* the scene's own data */
+    bool total;                  /* of an observable's table: all rows together */
+    long since;                  /* step from which the change is taken; -1: none */
     double digit, within, about; /* of the tolerance; 0, INFINITY, 0: not given */
     double row, bin;             /* of an observable's table; row INFINITY: its first */
     long particle, span;
@@ -96,6 +100,8 @@ void dl_paper_source_text(const dl_paper_source *source, char *text, size_t size
 
 /* --- judging (paper_judge.c) ------------------------------------------------------------------ */
 
+/* Whether nothing is computed for the claim: what is published may be words then. */
+bool dl_paper_has_no_number(const dl_paper_claim *claim);
 /* Sets value and tolerance of the claim from its texts; DL_INPUT: "expected ...". */
 dl_status dl_paper_claim_prepare(dl_paper_claim *claim, dl_error *error);
 void dl_paper_judge(const dl_paper_claim *claim, dl_paper_row *row);

@@ -9,7 +9,15 @@
 
 /* --- registry --------------------------------------------------------------------------------- */
 
+/* What cannot be computed has its row, with the reason. */
+static dl_status measure_none(const dl_paper_claim *claim, const dl_paper_state *state,
+                              double *value, dl_error *error) {
+    (void)state, (void)value;
+    return dl_fail(error, DL_INPUT, "%s", claim->reason);
+}
+
 static const dl_quantity quantities[] = {
+    {"none", "nothing: its `reason` says why", DL_NEEDS_NOTHING, measure_none},
     {"refused", "1 where the scene's file is refused, 0 where it is a scene", DL_NEEDS_FILE,
      dl_measure_refused},
     {"particles", "number of particles", DL_NEEDS_STATE, dl_measure_particles},
@@ -34,6 +42,14 @@ static const dl_quantity quantities[] = {
      DL_NEEDS_STATE, dl_measure_liquid_speed},
     {"rotation", "angular velocity of the heaviest group of particles, about its own centre",
      DL_NEEDS_STATE, dl_measure_rotation},
+    {"layer-least",
+     "least distance of the mean heights of neighbouring layers, each of the next "
+     "`span` particles from below",
+     DL_NEEDS_STATE, dl_measure_layer_least},
+    {"layer-most", "the same, the largest", DL_NEEDS_STATE, dl_measure_layer_most},
+    {"separation-ratio", "separation.nearest_3 over rest-distance", DL_NEEDS_STATE,
+     dl_measure_separation_ratio},
+    {"end", "time at which the run was to end", DL_NEEDS_RUN, dl_measure_end},
     {"steps", "steps that the run made", DL_NEEDS_RUN, dl_measure_steps},
     {"iterations", "nonlinear iterations a step", DL_NEEDS_RUN, dl_measure_iterations},
     {"energy-error", "largest error of the energy in units of its scale, jumps being booked",
@@ -41,6 +57,9 @@ static const dl_quantity quantities[] = {
     {"largest-vx", "of `particle`, over all frames", DL_NEEDS_RUN, dl_measure_largest_vx},
     {"revolution", "steps in which the system turns once, from `step` on", DL_NEEDS_RUN,
      dl_measure_revolution},
+    {"subdivision",
+     "first step at which less than two thirds of the particles are in the heaviest group",
+     DL_NEEDS_RUN, dl_measure_subdivision},
 };
 
 size_t dl_quantity_count(void) {
@@ -122,6 +141,12 @@ static dl_status pick(const dl_paper_claim *claim, const dl_observation *observa
     const double near =
         1e-6 *
         (observed.rows > 1 && observed.label ? fabs(observed.label[1] - observed.label[0]) : 1);
+    if (claim->total) {
+        *value = 0;
+        for (size_t row = 0; row < observed.rows; row++)
+            *value += observed.mean[row * observed.columns + column];
+        return isfinite(*value) ? DL_OK : dl_fail(error, DL_INPUT, "it is not defined here");
+    }
     for (size_t row = 0; row < observed.rows; row++)
         if (!observed.label || !isfinite(claim->row) ||
             fabs(observed.label[row] - claim->row) <= near) {
@@ -162,12 +187,12 @@ static dl_status observe(const dl_paper_claim *claim, const dl_paper_state *stat
     return status;
 }
 
-dl_status dl_quantity_measure(const dl_paper_claim *claim, const dl_paper_run_row *runs,
+static dl_status measure_once(const dl_paper_claim *claim, const dl_paper_run_row *runs,
                               const char *folder, double *value, dl_error *error) {
     const dl_quantity *const quantity =
         claim->quantity < dl_quantity_count() ? &quantities[claim->quantity] : NULL;
     dl_paper_state state = {0};
-    if (quantity && quantity->needs == DL_NEEDS_FILE)
+    if (quantity && (quantity->needs == DL_NEEDS_FILE || quantity->needs == DL_NEEDS_NOTHING))
         return quantity->measure(claim, &state, value, error);
     dl_status status = dl_paper_state_open(&claim->source, runs, folder, &state, error);
     if (status)
@@ -175,5 +200,21 @@ dl_status dl_quantity_measure(const dl_paper_claim *claim, const dl_paper_run_ro
     status = quantity ? quantity->measure(claim, &state, value, error)
                       : observe(claim, &state, value, error);
     dl_paper_state_close(&state);
+    return status;
+}
+
+dl_status dl_quantity_measure(const dl_paper_claim *claim, const dl_paper_run_row *runs,
+                              const char *folder, double *value, dl_error *error) {
+    dl_paper_claim before = *claim;
+    double first = 0;
+    dl_status status = DL_OK;
+    before.source.step = claim->since;
+    before.source.time = INFINITY;
+    if (claim->since >= 0)
+        status = measure_once(&before, runs, folder, &first, error);
+    if (!status)
+        status = measure_once(claim, runs, folder, value, error);
+    if (!status)
+        *value -= first;
     return status;
 }

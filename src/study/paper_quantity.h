@@ -7,6 +7,7 @@
 
 /* What a quantity needs to be computed from. */
 typedef enum dl_quantity_needs {
+    DL_NEEDS_NOTHING,
     DL_NEEDS_FILE,  /* a scene's file, read or not */
     DL_NEEDS_STATE, /* a state, of a scene or a run */
     DL_NEEDS_RUN,   /* a run as a whole */
@@ -15,7 +16,7 @@ typedef enum dl_quantity_needs {
 /* TR299, section 3: temperatures are means over so many steps. */
 enum { DL_TEMPERATURE_STEPS = 500 };
 
-/* `state` is open but for DL_NEEDS_FILE. */
+/* `state` is open for DL_NEEDS_STATE and DL_NEEDS_RUN. */
 typedef dl_status dl_quantity_measure_function(const dl_paper_claim *claim,
                                                const dl_paper_state *state, double *value,
                                                dl_error *error);
@@ -51,7 +52,13 @@ dl_status dl_component_of(const dl_paper_claim *claim, const dl_scene *scene, co
 /* --- paper_quantity_run.c --------------------------------------------------------------------- */
 
 extern dl_quantity_measure_function dl_measure_steps, dl_measure_iterations,
-    dl_measure_energy_error, dl_measure_largest_vx, dl_measure_revolution, dl_measure_rotation;
+    dl_measure_energy_error, dl_measure_largest_vx, dl_measure_revolution, dl_measure_rotation,
+    dl_measure_end, dl_measure_subdivision;
+
+/* --- paper_quantity_layers.c ------------------------------------------------------------------ */
+
+extern dl_quantity_measure_function dl_measure_layer_least, dl_measure_layer_most,
+    dl_measure_separation_ratio;
 
 /* --- paper_threshold.c ------------------------------------------------------------------------ */
 

@@ -2,12 +2,20 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "driftlab/observe.h"
 #include "study/paper_quantity.h"
 
 dl_status dl_measure_steps(const dl_paper_claim *claim, const dl_paper_state *state, double *value,
                            dl_error *error) {
     (void)claim, (void)error;
     *value = (double)state->run->steps;
+    return DL_OK;
+}
+
+dl_status dl_measure_end(const dl_paper_claim *claim, const dl_paper_state *state, double *value,
+                         dl_error *error) {
+    (void)claim, (void)error;
+    *value = state->run->end;
     return DL_OK;
 }
 
@@ -106,4 +114,39 @@ dl_status dl_measure_rotation(const dl_paper_claim *claim, const dl_paper_state 
                               double *value, dl_error *error) {
     (void)claim;
     return dl_paper_rotation(state->scene, state->y_all, value, error);
+}
+
+/* Particles in the heaviest group. */
+static dl_status count_system(const dl_scene *scene, const double *y_all, bool *inside,
+                              size_t *count, dl_error *error) {
+    const dl_status status = dl_observe_system(scene, y_all, dl_escape_link(scene), inside, error);
+    *count = 0;
+    for (size_t i = 0; i < scene->particles; i++)
+        *count += inside[i];
+    return status;
+}
+
+dl_status dl_measure_subdivision(const dl_paper_claim *claim, const dl_paper_state *state,
+                                 double *value, dl_error *error) {
+    const dl_scene *scene = state->scene;
+    const dl_frames *frames = state->frames;
+    double *y_all = malloc(2 * (size_t)scene->dimension * scene->particles * sizeof *y_all);
+    bool *inside = calloc(scene->particles, sizeof *inside);
+    dl_status status = y_all && inside ? DL_OK : dl_fail_memory(error, "groups of particles");
+    size_t k = 0, count = scene->particles;
+    (void)claim;
+    for (; k < frames->count && !status && 3 * count >= 2 * scene->particles; k++) {
+        status = dl_frames_read(state->frames, k, scene->dimension, y_all, error);
+        if (!status)
+            status = count_system(scene, y_all, inside, &count, error);
+    }
+    free(inside);
+    free(y_all);
+    if (status)
+        return status;
+    if (3 * count >= 2 * scene->particles)
+        return dl_fail(error, DL_INPUT, "it does not subdivide by step %ld",
+                       frames->step[frames->count - 1]);
+    *value = (double)frames->step[k - 1];
+    return DL_OK;
 }

@@ -190,8 +190,14 @@ static dl_status prepare_claim(const dl_paper *paper, const dl_yaml *yaml, const
     if (status)
         return dl_fail(error, status, "%s:%d: %.900s", dl_yaml_path(yaml),
                        dl_yaml_line(dl_yaml_get(map, key)), reason.message);
+    if (dl_paper_has_no_number(claim))
+        return *claim->source.scene || *claim->source.run
+                   ? dl_yaml_fail(yaml, map, "computed", "none without a scene or a run", error)
+                   : DL_OK;
     if ((status = read_source(paper, yaml, map, &claim->source, error)))
         return status;
+    if (claim->since >= 0 && !*claim->source.run)
+        return dl_yaml_fail(yaml, dl_yaml_get(map, "since"), "since", "a run beside it", error);
     const bool listed = claim->quantity < dl_quantity_count();
     const dl_quantity_needs needs =
         listed ? dl_quantity_at(claim->quantity)->needs : DL_NEEDS_STATE;

@@ -12,7 +12,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "driftlab/run.h"
 #include "driftlab/version.h"
@@ -129,11 +128,24 @@ static void forget(dl_paper_run_row *row) {
     row->steps = row->nonlinear_iterations = 0;
 }
 
+/* A file that is damaged is none. */
+static bool is_readable(const char *path, const dl_scene *scene) {
+    dl_frames *frames = NULL;
+    double *y_all = malloc(2 * (size_t)scene->dimension * scene->particles * sizeof *y_all);
+    bool readable = y_all && dl_file_is_hdf5(path) && !dl_frames_open(path, &frames, NULL) &&
+                    frames->particles == scene->particles;
+    readable = readable && !dl_frames_read(frames, 0, scene->dimension, y_all, NULL) &&
+               !dl_frames_read(frames, frames->count - 1, scene->dimension, y_all, NULL);
+    dl_frames_close(frames);
+    free(y_all);
+    return readable;
+}
+
 static bool has_files(const making *m) {
     bool all = true;
     for (size_t k = 0; k < m->row->segments_done && all; k++) {
         char *path = dl_paper_trajectory(m->options->folder, m->row, k);
-        all = path && access(path, R_OK) == 0;
+        all = path && is_readable(path, m->scene);
         free(path);
     }
     return all;

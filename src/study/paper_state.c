@@ -8,7 +8,9 @@
 
 void dl_paper_source_text(const dl_paper_source *source, char *text, size_t size) {
     const bool beside = strncmp(source->scene, "../", 3) == 0;
-    if (*source->scene)
+    if (!*source->scene && !*source->run)
+        snprintf(text, size, "%s", "");
+    else if (*source->scene)
         snprintf(text, size, "%.100s", source->scene + (beside ? 3 : 0));
     else if (source->step >= 0)
         snprintf(text, size, "%.60s, step %ld", source->run, source->step);
