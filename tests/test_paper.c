@@ -537,11 +537,12 @@ static void a_failed_run_is_a_result(void **state) {
              "method: conserving-newton-dense, set: {step: 0.1, iterations: 1}}\n"
              "claims:\n" CLAIM("a", "0", "computed: steps, run: stream")
                  CLAIM("b", "0", "computed: energy-error, run: stream")
-                     CLAIM("c", "0", "computed: y, run: stream, time: 0.2"));
+                     CLAIM("c", "0", "computed: y, run: stream, time: 0.2")
+                         CLAIM("d", "0", "computed: y, run: stream"));
     dl_paper_report *report = run_paper(paper, false);
     assert_int_equal(report->run[0].status, DL_NONLINEAR_FAILURE);
     assert_int_equal(report->row[0].verdict, DL_AGREES);
-    for (size_t i = 1; i < 3; i++) {
+    for (size_t i = 1; i < 4; i++) {
         assert_int_equal(report->row[i].verdict, DL_NOT_COMPUTABLE);
         assert_non_null(strstr(report->row[i].reason, "nonlinear-failure"));
     }

@@ -71,7 +71,8 @@ void dl_model_visit_lock(const dl_model *model, const dl_lock *lock, const doubl
                          const double *delta, dl_pair_visitor *visit, void *context);
 
 /* What locks change in a sum over pairs: for each that does, `visit` is called for the pair as
- * dl_model_visit_pairs has it, with its coupling's sign turned, and for the pair as it is locked. */
+ * dl_model_visit_pairs has it, with its coupling's sign turned, and for the pair as it is locked.
+ */
 void dl_model_visit_locks(const dl_model *model, const double *x, const double *delta,
                           dl_pair_visitor *visit, void *context);
 

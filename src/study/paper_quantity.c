@@ -187,6 +187,11 @@ static dl_status observe(const dl_paper_claim *claim, const dl_paper_state *stat
     return status;
 }
 
+/* The state that a failed run leaves is not the one that the paper speaks of. */
+static bool is_at_end(const dl_paper_source *source) {
+    return source->step < 0 && !isfinite(source->time);
+}
+
 static dl_status measure_once(const dl_paper_claim *claim, const dl_paper_run_row *runs,
                               const char *folder, double *value, dl_error *error) {
     const dl_quantity *const quantity =
@@ -197,8 +202,11 @@ static dl_status measure_once(const dl_paper_claim *claim, const dl_paper_run_ro
     dl_status status = dl_paper_state_open(&claim->source, runs, folder, &state, error);
     if (status)
         return status;
-    status = quantity ? quantity->measure(claim, &state, value, error)
-                      : observe(claim, &state, value, error);
+    if (state.run && is_at_end(&claim->source) && !(quantity && quantity->needs == DL_NEEDS_RUN))
+        status = dl_quantity_check_ended(&state, error);
+    if (!status)
+        status = quantity ? quantity->measure(claim, &state, value, error)
+                          : observe(claim, &state, value, error);
     dl_paper_state_close(&state);
     return status;
 }

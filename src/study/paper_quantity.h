@@ -51,6 +51,9 @@ dl_status dl_component_of(const dl_paper_claim *claim, const dl_scene *scene, co
 
 /* --- paper_quantity_run.c --------------------------------------------------------------------- */
 
+/* DL_INPUT where the run failed, with how. */
+dl_status dl_quantity_check_ended(const dl_paper_state *state, dl_error *error);
+
 extern dl_quantity_measure_function dl_measure_steps, dl_measure_iterations,
     dl_measure_energy_error, dl_measure_largest_vx, dl_measure_revolution, dl_measure_rotation,
     dl_measure_end, dl_measure_subdivision;

@@ -19,7 +19,7 @@ dl_status dl_measure_end(const dl_paper_claim *claim, const dl_paper_state *stat
     return DL_OK;
 }
 
-static dl_status check_ended(const dl_paper_state *state, dl_error *error) {
+dl_status dl_quantity_check_ended(const dl_paper_state *state, dl_error *error) {
     const dl_paper_run_row *run = state->run;
     return run->status == DL_OK ? DL_OK
                                 : dl_fail(error, DL_INPUT, "the run ended at t = %.6g (%s): %.800s",
@@ -39,7 +39,7 @@ dl_status dl_measure_energy_error(const dl_paper_claim *claim, const dl_paper_st
                                   double *value, dl_error *error) {
     (void)claim;
     *value = state->run->energy_error / state->run->energy_scale;
-    return check_ended(state, error);
+    return dl_quantity_check_ended(state, error);
 }
 
 /* Reads every frame of the segment into a state of its own. */
@@ -73,7 +73,7 @@ static dl_status keep_largest_vx(const dl_paper_claim *claim, const dl_scene *sc
 dl_status dl_measure_largest_vx(const dl_paper_claim *claim, const dl_paper_state *state,
                                 double *value, dl_error *error) {
     *value = -INFINITY;
-    const dl_status status = check_ended(state, error);
+    const dl_status status = dl_quantity_check_ended(state, error);
     return status ? status : over_frames(claim, state, keep_largest_vx, value, error);
 }
 
