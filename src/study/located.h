@@ -16,10 +16,10 @@
  * from bounce to bounce: they accumulate in finite time. A flight shorter than `rest` time steps,
  * or than what t and the coordinate resolve, is the last: the particle rests (model/contact.h says
  * what is held), its energy is booked. It is released at the time at which the net normal force
- * turns away from the wall, found in steps of the method's own; a force that turns away and back
- * within a step is looked for where the steps' ends show a dip. With d = 0 bounces do not shrink
- * and only what is not resolved rests. A particle that begins on a wall without normal velocity,
- * pressed to it, rests from the start.
+ * turns away from the wall, or ends (what pressed has gone beyond its cutoff), found in steps of
+ * the method's own; a force that turns away and back within a step is looked for where the steps'
+ * ends show a dip. With d = 0 bounces do not shrink and only what is not resolved rests. A particle
+ * that begins on a wall without normal velocity, pressed to it, rests from the start.
  *
  * Crossings. Pairs near such a breakpoint are locked to the side that they are on
  * (study/crossings.h), so that the step that crosses it, by which the crossing is found, is as
