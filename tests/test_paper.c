@@ -355,24 +355,28 @@ static void close_to(double value, double expected, const char *what) {
         fail_msg("%s: found %.17g, expected %.17g", what, value, expected);
 }
 
+static const char curved[] =
+    HEAD "runs:\n"
+         "  - {name: whole, scene: pair.yaml, end: 2}\n"
+         "  - {name: parts, scene: pair.yaml, end: 2, segment: 0.5}\n"
+         "claims:\n"
+         "  - part: one\n"
+         "    what: [a, b, c, d]\n"
+         "    where: here\n"
+         "    published: 1\n"
+         "    computed: [vy, motion.angular_velocity, vy, motion.angular_velocity]\n"
+         "    run: whole\n"
+         "    step: [700, 700, 2000, 0]\n"
+         "pictures:\n"
+         "  - part: one\n"
+         "    figure: [f, g, h, i]\n"
+         "    run: [whole, parts, whole, parts]\n"
+         "    curve: [vy, vy, motion.angular_velocity, motion.angular_velocity]\n";
+
 /* A curve goes through what claims compute at its frames, of one segment or of many. */
 static void curves_go_through_every_frame(void **state) {
     (void)state;
-    dl_paper *
-        paper = read_paper(HEAD
-                           "runs:\n  - {name: whole, scene: pair.yaml, end: 2}\n"
-                           "  - {name: parts, scene: pair.yaml, end: 2, segment: 0.5}\n"
-                           "claims:\n" CLAIM("a", "1", "computed: vy, run: whole, step: 700")
-                               CLAIM("b", "1",
-                                     "computed: motion.angular_velocity, run: whole, step: 700")
-                                   CLAIM("c", "1", "computed: vy, run: whole, step: 2000")
-                                       CLAIM("d", "1",
-                                             "computed: motion.angular_velocity, run: whole, step: "
-                                             "0") "pictures:\n  - part: one\n    figure: [f, g, h, "
-                                                  "i]\n"
-                                                  "    run: [whole, parts, whole, parts]\n"
-                                                  "    curve: [vy, vy, motion.angular_velocity, "
-                                                  "motion.angular_velocity]\n");
+    dl_paper *paper = read_paper(curved);
     dl_paper_report *report = run_paper(paper, false);
     assert_int_equal(paper->pictures, 4);
     for (size_t i = 0; i < 4; i++) {

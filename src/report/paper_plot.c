@@ -34,7 +34,8 @@ static void finish_axis(plot_axis *axis, double length, double room) {
     axis->scale = length / (axis->high - axis->low);
 }
 
-static void find_axes(const dl_paper_picture *picture, const dl_paper_curve *curve, plot_sheet *plot) {
+static void find_axes(const dl_paper_picture *picture, const dl_paper_curve *curve,
+                      plot_sheet *plot) {
     plot->x = plot->y = (plot_axis){.low = INFINITY, .high = -INFINITY};
     for (size_t k = 0; k < curve->count; k++) {
         include(&plot->x, curve->at[k]);
@@ -131,7 +132,8 @@ static void draw_words(const plot_sheet *plot, const dl_paper_picture *picture,
 
 dl_status dl_paper_plot_write(const dl_paper_picture *picture, const dl_paper_curve *curve,
                               const char *path, dl_error *error) {
-    plot_sheet plot = {.canvas = dl_canvas_svg.create(plot_left + plot_width + 20,
+    plot_sheet plot = {.canvas =
+                           dl_canvas_svg.create(plot_left + plot_width + 20,
                                                 plot_top + plot_height + 56, picture->figure)};
     if (!plot.canvas)
         return dl_fail_memory(error, "a curve");
