@@ -214,8 +214,11 @@ static void check_ball(const dl_scene *scene, const dl_method_row *row, double e
     assert_true(end[1] == 0 && end[2] == 0 && end[3] == 0);
     assert_int_equal(s->contacts, 1);
     assert_int_equal(s->releases, 0);
+    /* Multistep methods follow the last flights to atol alone, and miss some. */
     if (exact)
         assert_int_equal(s->wall_hits, bounces(scene));
+    else
+        assert_in_range(s->wall_hits, (3 * bounces(scene) + 3) / 4, bounces(scene));
     const double ledger_error = fabs(s->ledger - lost);
     if (s->energy_error_max > near * lost || ledger_error > near * lost)
         fail_msg("%s: energy error %g, ledger off by %g", row->name, s->energy_error_max,

@@ -50,58 +50,98 @@ typedef struct outcome {
     double increment; /* geometric mean, between samples */
 } outcome;
 
-static outcome run_lively(const char *method, double step) {
+/* With one option set to a number, and one more, "table=zonneveld-4", or none: "". */
+static outcome run_lively(const char *method, const char *also, const char *key, double value) {
     dl_scene *const scene = scene_of_text(lively_box);
-    char setting[40];
+    const dl_method_row *const row = method_of(method);
+    const size_t length = strcspn(also, "=");
+    outcome came = {.increment = NAN};
     wandering w = {0};
-    snprintf(setting, sizeof setting, "step=%.17g", step);
+    dl_error error = {""};
+    char setting[64], name[32];
     dl_run_options how = run_options(0, 0);
     how.on_sample = add_increment;
     how.context = &w;
-    finished run = run_with(scene, method_of(method), setting, &how);
-    if (run.summary.status)
-        fail_msg("%s with %s: %s", method, setting, run.summary.message);
-    free(run.y);
+    snprintf(setting, sizeof setting, "%s=%.17g", key, value);
+    snprintf(name, sizeof name, "%.*s", (int)length, also);
+    void *const options = options_of(row, scene, setting);
+    if (*also && dl_method_options_set(row, options, name, also + length + 1, &error))
+        fail_msg("%s", error.message);
+    if (dl_run(scene, row, options, &how, &came.summary, NULL, &error))
+        fail_msg("%s with %s: %s", method, setting, error.message);
+    if (came.summary.status)
+        fail_msg("%s with %s: %s", method, setting, came.summary.message);
+    dl_method_options_free(row, options);
     dl_scene_free(scene);
-    return (outcome){run.summary, exp(w.logarithms / (double)w.count)};
+    came.increment = exp(w.logarithms / (double)w.count);
+    return came;
+}
+
+typedef struct expectation {
+    const char *method, *also;
+    double low, high; /* of the fitted exponent */
+    double largest;   /* error in the last run, of the energy's scale */
+} expectation;
+
+/* How the energy's error falls with three values of an option. */
+static void check_exponent(const expectation *row, const char *key, const double value[3]) {
+    double error[3];
+    outcome run = {0};
+    for (int i = 0; i < 3; i++) {
+        run = run_lively(row->method, row->also, key, value[i]);
+        error[i] = run.increment;
+        assert_true(run.summary.wall_hits > 3000);
+        assert_true(fabs(run.summary.ledger) > 0.1);
+    }
+    const double order = fitted_order(value, error, 3);
+    const double largest = run.summary.energy_error_max / run.summary.energy_scale;
+    print_message("%s %s: %lu hits, %.0f jumps, energy error a unit of time %.2e %.2e %.2e, as %s "
+                  "to the %.2f; in all %.2e of the scale\n",
+                  row->method, row->also, run.summary.wall_hits, lively_end / lively_period,
+                  error[0], error[1], error[2], key, order, largest);
+    if (!(order > row->low && order < row->high) || !(largest < row->largest))
+        fail_msg("%s %s: exponent %g, error %g of the scale", row->method, row->also, order,
+                 largest);
 }
 
 static void energy_keeps_its_order_through_hits_and_radiation(void **state) {
     (void)state;
     static const struct {
-        const char *method;
-        double step, low, high; /* of the fitted order */
-        double largest;         /* error with the shortest step, of the energy's scale */
+        expectation row;
+        double step;
     } rows[] = {
-        {"leapfrog", 1.0 / 48, 1.85, 2.15, 1e-4},
-        {"composition-4-suzuki", 1.0 / 32, 3.7, 4.5, 1e-8},
-        {"composition-6-kahan-li", 1.0 / 32, 5.6, 6.4, 1e-12},
+        {{"leapfrog", "", 1.85, 2.15, 1e-4}, 1.0 / 48},
+        {{"composition-4-suzuki", "", 3.7, 4.5, 1e-8}, 1.0 / 32},
+        {{"composition-6-kahan-li", "", 5.6, 6.4, 1e-12}, 1.0 / 32},
+        {{"gsl-rk4", "", 3.8, 4.2, 1e-9}, 1.0 / 32},
+        {{"arkode-erk", "table=bogacki-shampine-3", 2.7, 3.4, 5e-5}, 1.0 / 32},
+        {{"arkode-erk", "table=dormand-prince-5", 4.5, 5.4, 2e-10}, 1.0 / 32},
     };
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
-        double step[3], error[3];
-        outcome run = {0};
-        for (int i = 0; i < 3; i++) {
-            step[i] = rows[k].step / (i + 2);
-            run = run_lively(rows[k].method, step[i]);
-            error[i] = run.increment;
-            assert_true(run.summary.wall_hits > 3000);
-        }
-        const double order = fitted_order(step, error, 3);
-        const double largest = run.summary.energy_error_max / run.summary.energy_scale;
-        print_message("%s: %lu hits, %.0f jumps, energy error a unit of time %.2e %.2e %.2e, order "
-                      "%.2f; in all %.2e of the scale\n",
-                      rows[k].method, run.summary.wall_hits, lively_end / lively_period, error[0],
-                      error[1], error[2], order, largest);
-        if (!(order > rows[k].low && order < rows[k].high) || !(largest < rows[k].largest))
-            fail_msg("%s: order %g, error %g of the scale", rows[k].method, order, largest);
+        const double h = rows[k].step;
+        check_exponent(&rows[k].row, "step", (const double[]){h / 2, h / 3, h / 4});
     }
+}
+
+/* Methods that control the error of a step: their energy's error is in proportion to what is
+ * allowed in one. The largest is after thousands of restarts. */
+static void energy_follows_the_tolerance_through_hits_and_radiation(void **state) {
+    (void)state;
+    static const expectation rows[] = {
+        {"arkode-erk", "atol=1e-13", 0.8, 1.2, 5e-8},
+        {"gsl-rk8pd", "atol=1e-13", 0.8, 1.2, 5e-9},
+        {"cvode-adams", "atol=1e-13", 0.8, 1.2, 2e-6},
+        {"cvode-bdf-klu", "atol=1e-13", 0.8, 1.2, 1e-5},
+    };
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
+        check_exponent(&rows[k], "rtol", (const double[]){1e-5, 1e-7, 1e-9});
 }
 
 static void the_conserving_scheme_conserves_through_hits_and_radiation(void **state) {
     (void)state;
     static const char *const names[] = {"conserving-fixed-point", "conserving-newton-dense"};
     for (size_t k = 0; k < 2; k++) {
-        const dl_run_summary s = run_lively(names[k], 1.0 / 32).summary;
+        const dl_run_summary s = run_lively(names[k], "", "step", 1.0 / 32).summary;
         print_message("%s: %lu hits, ledger %g, energy error %.2e of the scale\n", names[k],
                       s.wall_hits, s.ledger, s.energy_error_max / s.energy_scale);
         assert_true(s.wall_hits > 3000 && fabs(s.ledger) > 0.1);
@@ -171,6 +211,7 @@ static void what_is_pulled_away_is_released_at_once(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(energy_keeps_its_order_through_hits_and_radiation),
+        cmocka_unit_test(energy_follows_the_tolerance_through_hits_and_radiation),
         cmocka_unit_test(the_conserving_scheme_conserves_through_hits_and_radiation),
         cmocka_unit_test(what_is_pulled_away_is_released_at_once),
     };

@@ -348,6 +348,90 @@ static void rows_of_other_kinds(void **state) {
     dl_paper_free(paper);
 }
 
+/* --- curves ----------------------------------------------------------------------------------- */
+
+static void close_to(double value, double expected, const char *what) {
+    if (!(fabs(value - expected) <= 1e-9))
+        fail_msg("%s: found %.17g, expected %.17g", what, value, expected);
+}
+
+static const char curved[] =
+    HEAD "runs:\n"
+         "  - {name: whole, scene: pair.yaml, end: 2}\n"
+         "  - {name: parts, scene: pair.yaml, end: 2, segment: 0.5}\n"
+         "claims:\n"
+         "  - part: one\n"
+         "    what: [a, b, c, d]\n"
+         "    where: here\n"
+         "    published: 1\n"
+         "    computed: [vy, motion.angular_velocity, vy, motion.angular_velocity]\n"
+         "    run: whole\n"
+         "    step: [700, 700, 2000, 0]\n"
+         "pictures:\n"
+         "  - part: one\n"
+         "    figure: [f, g, h, i]\n"
+         "    run: [whole, parts, whole, parts]\n"
+         "    curve: [vy, vy, motion.angular_velocity, motion.angular_velocity]\n";
+
+/* A curve goes through what claims compute at its frames, of one segment or of many. */
+static void curves_go_through_every_frame(void **state) {
+    (void)state;
+    dl_paper *paper = read_paper(curved);
+    dl_paper_report *report = run_paper(paper, false);
+    assert_int_equal(paper->pictures, 4);
+    for (size_t i = 0; i < 4; i++) {
+        dl_paper_curve curve;
+        dl_error error = {""};
+        if (dl_paper_curve_measure(&paper->picture[i], report->run, runs, &curve, &error))
+            fail_msg("curve %zu: %s", i, error.message);
+        assert_true(curve.by_step);
+        assert_int_equal(curve.count, 201);
+        for (size_t k = 0; k < curve.count; k++)
+            close_to(curve.at[k], 10 * (double)k, "step");
+        close_to(curve.value[70], report->row[i / 2].value, "value at step 700");
+        if (i < 2)
+            close_to(curve.value[200], report->row[2].value, "value at the end");
+        else
+            close_to(curve.value[0], report->row[3].value, "value at the start");
+        dl_paper_curve_free(&curve);
+    }
+    dl_paper_report_free(report);
+    dl_paper_free(paper);
+}
+
+/* Curves are drawn with what is published; what is lost, or failed, is said in its place. */
+static void curves_and_reasons_stand_on_the_page(void **state) {
+    (void)state;
+    dl_error error = {""};
+    dl_paper *paper = read_paper(
+        HEAD "runs:\n  - {name: swing, scene: pair.yaml, end: 0.5}\n"
+             "  - {name: far, scene: pair.yaml, long: true}\n"
+             "pictures:\n  - {part: one, figure: Figure 1, run: swing, curve: y, axis: height, "
+             "published: \"0 1, 400 1.05\"}\n"
+             "  - {part: one, figure: Figure 2, run: far, curve: y}\n"
+             "  - {part: one, figure: Figure 3, reason: the drawing is lost}\n"
+             "  - {part: one, figure: Figure 4, run: swing, curve: y, particle: 7}\n");
+    dl_paper_report *report = run_paper(paper, false);
+    const dl_paper_figure *const figure = report->figure;
+    assert_non_null(figure[0].svg);
+    assert_int_equal(occurrences(figure[0].svg, "class=\"computed\""), 1);
+    assert_int_equal(occurrences(figure[0].svg, "class=\"published\""), 2);
+    assert_non_null(strstr(figure[0].svg, ">height</text>"));
+    assert_non_null(strstr(figure[0].svg, "51 frames"));
+    assert_non_null(strstr(figure[1].reason, "--long"));
+    assert_string_equal(figure[2].reason, "the drawing is lost");
+    assert_non_null(strstr(figure[3].reason, "expected at most 2"));
+    for (size_t i = 1; i < 4; i++)
+        assert_null(figure[i].svg);
+    const dl_paper_report *const one[] = {report};
+    assert_int_equal(dl_paper_write(one, 1, page, &error), DL_OK);
+    char *text = read_text(page);
+    assert_non_null(strstr(text, "the drawing is lost"));
+    free(text);
+    dl_paper_report_free(report);
+    dl_paper_free(paper);
+}
+
 /* Three layers of two at mean heights 0.1, 1.1 and 2.6, and one particle that fills none. */
 static void layers_are_counted_from_below(void **state) {
     (void)state;
@@ -553,7 +637,8 @@ static void a_failed_run_is_a_result(void **state) {
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-#define RUN "runs:\n  - {name: swing, scene: pair.yaml}\n"
+#define RUN         "runs:\n  - {name: swing, scene: pair.yaml}\n"
+#define CURVE(rest) "  - {part: one, figure: Figure 1, run: swing, " rest "}\n"
 
 static void bad_papers_are_refused(void **state) {
     (void)state;
@@ -600,6 +685,15 @@ static void bad_papers_are_refused(void **state) {
         {HEAD RUN "  - {name: swing, scene: pair.yaml}\n", ":6: ", "another name"},
         {HEAD "pictures:\n  - {part: a, figure: b, scene: pair.yaml, colour: mas}\n",
          ":5: ", "mass"},
+        {HEAD RUN "pictures:\n" CURVE("curve: yy"), ":7: ", "did you mean \"y\""},
+        {HEAD RUN "pictures:\n" CURVE("curve: steps"), ":7: ", "a quantity of a state"},
+        {HEAD RUN "pictures:\n" CURVE("curve: states.solid"), ":7: ", "a single row"},
+        {HEAD RUN "pictures:\n" CURVE("curve: y, step: 1"), ":7: ", "a whole run"},
+        {HEAD RUN "pictures:\n" CURVE("curve: y, colour: mass"), ":7: ", "a whole run"},
+        {HEAD RUN "pictures:\n" CURVE("curve: y, published: 1 2 3"), ":7: ", "STEP VALUE"},
+        {HEAD RUN "pictures:\n" CURVE("curve: y, published: 1"), ":7: ", "STEP VALUE"},
+        {HEAD RUN "pictures:\n" CURVE("published: 1 2"), ":7: ", "`curve` beside it"},
+        {HEAD RUN "pictures:\n" CURVE("reason: lost"), ":7: ", "none beside `reason`"},
         {HEAD "clams: []\n", ":4: ", "did you mean \"claims\""},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -634,7 +728,7 @@ static void help_names_every_key(void **state) {
     (void)state;
     static const char *const keys[] = {"published", "computed", "where",           "segment",
                                        "chained",   "long",     "not_recoverable", "rest-distance",
-                                       "figure",    "within",   "about",           "energy-error"};
+                                       "curve",     "within",   "about",           "energy-error"};
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
@@ -666,6 +760,35 @@ static void shipped_papers_are_whole(void **state) {
         for (size_t i = 0; i < paper->claims; i++)
             if (paper->claim[i].source.path)
                 assert_int_equal(access(paper->claim[i].source.path, R_OK), 0);
+        dl_paper_free(paper);
+    }
+}
+
+/* A picture, or the reason that there is none, for every figure of the reports that have many. */
+static void every_figure_has_its_picture(void **state) {
+    (void)state;
+    static const struct {
+        const char *name, *prefix;
+        int figures;
+    } papers[] = {{"tr171", "3.", 10}, {"tr299", "", 18}};
+    for (size_t p = 0; p < 2; p++) {
+        char path[256];
+        dl_paper *paper = NULL;
+        snprintf(path, sizeof path, "%s/papers/%s.yaml", DL_STUDIES, papers[p].name);
+        assert_int_equal(dl_paper_read(path, &paper, NULL), DL_OK);
+        for (int number = 1; number <= papers[p].figures; number++) {
+            char figure[32];
+            size_t k = 0;
+            snprintf(figure, sizeof figure, "Figure %s%d", papers[p].prefix, number);
+            const size_t length = strlen(figure);
+            while (k < paper->pictures &&
+                   (strncmp(paper->picture[k].figure, figure, length) != 0 ||
+                    strspn(paper->picture[k].figure + length, "0123456789.") > 0))
+                k++;
+            /* "Figures 1 and 2" are one picture. */
+            if (k == paper->pictures && !(p == 1 && number <= 2))
+                fail_msg("%s: nothing answers %s", papers[p].name, figure);
+        }
         dl_paper_free(paper);
     }
 }
@@ -741,6 +864,8 @@ int main(void) {
         cmocka_unit_test_setup(finished_runs_are_kept, clean),
         cmocka_unit_test_setup(a_damaged_run_is_made_again, clean),
         cmocka_unit_test_setup(rows_of_other_kinds, clean),
+        cmocka_unit_test_setup(curves_go_through_every_frame, clean),
+        cmocka_unit_test_setup(curves_and_reasons_stand_on_the_page, clean),
         cmocka_unit_test_setup(layers_are_counted_from_below, clean),
         cmocka_unit_test_setup(a_killed_run_goes_on, clean),
         cmocka_unit_test_setup(an_interrupt_keeps_what_is_finished, clean),
@@ -752,6 +877,7 @@ int main(void) {
         cmocka_unit_test_setup(a_segment_must_fit, clean),
         cmocka_unit_test(help_names_every_key),
         cmocka_unit_test(shipped_papers_are_whole),
+        cmocka_unit_test(every_figure_has_its_picture),
         cmocka_unit_test_setup(the_command_tells_everything, clean),
         cmocka_unit_test_setup(the_command_refuses_what_it_does_not_know, clean),
     };

@@ -1,5 +1,6 @@
 #include "model/contact.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +15,11 @@ dl_status dl_contacts_create(dl_contacts *contacts, dl_model *model, dl_error *e
     *contacts = (dl_contacts){.model = model};
     contacts->side = calloc(model->unknowns, sizeof *contacts->side);
     contacts->held = calloc(model->unknowns, sizeof *contacts->held);
-    return contacts->side && contacts->held ? DL_OK : dl_fail_memory(error, "resting contacts");
+    contacts->pressed = calloc(model->unknowns, sizeof *contacts->pressed);
+    contacts->idle = calloc(model->unknowns, sizeof *contacts->idle);
+    return contacts->side && contacts->held && contacts->pressed && contacts->idle
+               ? DL_OK
+               : dl_fail_memory(error, "resting contacts");
 }
 
 void dl_contacts_free(dl_contacts *contacts) {
@@ -22,6 +27,8 @@ void dl_contacts_free(dl_contacts *contacts) {
         contacts->model->held = NULL;
     free(contacts->side);
     free(contacts->held);
+    free(contacts->pressed);
+    free(contacts->idle);
     *contacts = (dl_contacts){.model = NULL};
 }
 
@@ -46,8 +53,10 @@ static void set_side(dl_contacts *contacts, size_t u, dl_side side) {
     model->held = contacts->count ? contacts->held : NULL;
 }
 
-void dl_contacts_add(dl_contacts *contacts, size_t u, dl_side side, double *v) {
+void dl_contacts_add(dl_contacts *contacts, size_t u, dl_side side, bool pressed, double *v) {
     const size_t n = contacts->model->moving, k = u % n;
+    contacts->pressed[u] = pressed;
+    contacts->idle[u] = false;
     set_side(contacts, u, side);
     for (size_t c = 0; c < (size_t)contacts->model->dimension; c++)
         if (contacts->held[c * n + k])
@@ -62,8 +71,19 @@ bool dl_contacts_hold(const dl_contacts *contacts, size_t u) {
     return contacts->held[u];
 }
 
+void dl_contacts_last(dl_contacts *contacts) {
+    for (size_t u = 0; contacts->count && u < contacts->model->unknowns; u++)
+        contacts->pressed[u] |= contacts->side[u] != DL_NO_WALL;
+}
+
+void dl_contacts_find_idle(dl_contacts *contacts, const double *a) {
+    for (size_t u = 0; contacts->count && u < contacts->model->unknowns; u++)
+        contacts->idle[u] = contacts->side[u] != DL_NO_WALL && contacts->pressed[u] && a[u] == 0;
+}
+
 double dl_contacts_press(const dl_contacts *contacts, size_t u, const double *a) {
-    return -dl_wall_away((dl_side)contacts->side[u], a[u]);
+    const double press = -dl_wall_away((dl_side)contacts->side[u], a[u]);
+    return press == 0 && contacts->idle[u] ? -DBL_MIN : press;
 }
 
 double dl_contacts_least_press(const dl_contacts *contacts, const double *a) {

@@ -29,21 +29,33 @@ typedef struct dl_contacts {
     dl_model *model;
     signed char *side; /* [unknowns]: the dl_side that the coordinate rests on */
     bool *held;        /* [unknowns]: what model->held points to while there are contacts */
+    bool *pressed;     /* [unknowns]: the contact has pressed, or lasted a step */
+    bool *idle;        /* [unknowns]: it has, and nothing presses it: dl_contacts_find_idle */
     size_t count;
 } dl_contacts;
 
 dl_status dl_contacts_create(dl_contacts *contacts, dl_model *model, dl_error *error);
 void dl_contacts_free(dl_contacts *contacts);
 
-/* Coordinate u comes to rest: what is held from now on gets velocity 0. */
-void dl_contacts_add(dl_contacts *contacts, size_t u, dl_side side, double *v);
+/* Coordinate u comes to rest: what is held from now on gets velocity 0. `pressed`: it is pressed to
+ * the wall already, not only from the next moment on. */
+void dl_contacts_add(dl_contacts *contacts, size_t u, dl_side side, bool pressed, double *v);
 void dl_contacts_release(dl_contacts *contacts, size_t u);
 
 /* Whether coordinate u is held. */
 bool dl_contacts_hold(const dl_contacts *contacts, size_t u);
 
+/* All contacts have lasted a step. */
+void dl_contacts_last(dl_contacts *contacts);
+
+/* Contacts that have pressed, and that nothing at all presses under the accelerations a at the end
+ * of a step, are contacts no more: what pressed has gone beyond its cutoff, and the particle must
+ * not hang on a wall that it would fall along. */
+void dl_contacts_find_idle(dl_contacts *contacts, const double *a);
+
 /* The acceleration that presses coordinate u, which is in contact, to its wall; a [unknowns] is
- * that of all particles as if none were held. */
+ * that of all particles as if none were held. Negative where the contact ends: away from the wall,
+ * or the least negative number for 0 where it is idle. */
 double dl_contacts_press(const dl_contacts *contacts, size_t u, const double *a);
 
 /* The least of them; INFINITY without contacts. */

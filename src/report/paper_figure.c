@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "driftlab/picture.h"
+#include "report/paper_plot.h"
 #include "study/plan.h"
 
 /* --- an SVG file as part of a page ------------------------------------------------------------ */
@@ -88,9 +89,38 @@ static dl_status draw(const dl_paper_picture *asked, const dl_paper_state *from,
     return status;
 }
 
+static dl_status draw_state(const dl_paper_picture *picture, const dl_paper_run_row *runs,
+                            const char *folder, const char *path, dl_error *error) {
+    dl_paper_state state;
+    dl_status status = dl_paper_state_open(&picture->source, runs, folder, &state, error);
+    if (status)
+        return status;
+    status = draw(picture, &state, path, error);
+    dl_paper_state_close(&state);
+    return status;
+}
+
+static dl_status draw_curve(const dl_paper_picture *picture, const dl_paper_run_row *runs,
+                            const char *folder, const char *path, dl_error *error) {
+    dl_paper_curve curve;
+    dl_status status = dl_paper_curve_measure(picture, runs, folder, &curve, error);
+    if (status)
+        return status;
+    status = dl_paper_plot_write(picture, &curve, path, error);
+    dl_paper_curve_free(&curve);
+    return status;
+}
+
+static dl_status draw_either(const dl_paper_picture *picture, const dl_paper_run_row *runs,
+                             const char *folder, const char *path, dl_error *error) {
+    if (*picture->reason)
+        return dl_fail(error, DL_INPUT, "%s", picture->reason);
+    return *picture->curve ? draw_curve(picture, runs, folder, path, error)
+                           : draw_state(picture, runs, folder, path, error);
+}
+
 dl_status dl_paper_figure_draw(const dl_paper_picture *picture, const dl_paper_run_row *runs,
                                const char *folder, dl_paper_figure *figure, dl_error *error) {
-    dl_paper_state state;
     dl_error reason = {""};
     figure->part = picture->part;
     figure->figure = picture->figure;
@@ -99,11 +129,7 @@ dl_status dl_paper_figure_draw(const dl_paper_picture *picture, const dl_paper_r
     char *path = dl_text("%s/picture.svg", folder);
     if (!path)
         return dl_fail_memory(error, "a picture");
-    dl_status status = dl_paper_state_open(&picture->source, runs, folder, &state, &reason);
-    if (!status) {
-        status = draw(picture, &state, path, &reason);
-        dl_paper_state_close(&state);
-    }
+    dl_status status = draw_either(picture, runs, folder, path, &reason);
     if (!status)
         status = embed(path, &figure->svg, &reason);
     unlink(path);

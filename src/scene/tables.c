@@ -334,7 +334,8 @@ static const dl_parameter wall_rows[] = {
      .maximum = 1,
      .fallback = "1e-9",
      .doc = "located, with damping: a bounce that would last less than this part of the time step "
-            "is the last; the particle rests until the force turns away from the wall"},
+            "is the last; the particle rests until the force ends or turns away from the wall. How "
+            "many hits come before depends on the step and, with multistep methods, on atol"},
 };
 
 const dl_scene_section dl_section_walls = {

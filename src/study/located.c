@@ -247,6 +247,7 @@ static dl_status happen(dl_located *located, const dl_event *event, bool release
 
 /* Of a step in which nothing happened: its end is the next one's start. */
 static void keep_accelerations(dl_located *located) {
+    dl_contacts_last(&located->contacts);
     located->h_before = located->a0_is_current ? located->method->t - located->t0 : 0;
     double *const swap = located->a_before;
     located->a_before = located->a0;

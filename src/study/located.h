@@ -15,11 +15,18 @@
  * Resting contact. Under a force that presses to the wall, flights last 2 v/|a| and shrink by 1 - d
  * from bounce to bounce: they accumulate in finite time. A flight shorter than `rest` time steps,
  * or than what t and the coordinate resolve, is the last: the particle rests (model/contact.h says
- * what is held), its energy is booked. It is released at the time at which the net normal force
- * turns away from the wall, found in steps of the method's own; a force that turns away and back
- * within a step is looked for where the steps' ends show a dip. With d = 0 bounces do not shrink
- * and only what is not resolved rests. A particle that begins on a wall without normal velocity,
- * pressed to it, rests from the start.
+ * what is held), its energy is booked. How many hits come before is therefore the
+ * method's: what decides is the velocity that it has at the hit, under the acceleration there,
+ * against `rest` times its step (the scene's where it chooses its steps). A ball dropped from 1 on
+ * a floor with d = 0.9 makes 11 with a step of 0.01 and 13 with one of 1e-4; multistep methods,
+ * which start each flight anew at order 1 and follow those smaller than atol to atol alone, make 9
+ * to 11, the more the smaller atol is.
+ *
+ * What rests is released at the time at which the net normal force
+ * turns away from the wall, or ends (what pressed has gone beyond its cutoff), found in steps of
+ * the method's own; a force that turns away and back within a step is looked for where the steps'
+ * ends show a dip. With d = 0 bounces do not shrink and only what is not resolved rests. A particle
+ * that begins on a wall without normal velocity, pressed to it, rests from the start.
  *
  * Crossings. Pairs near such a breakpoint are locked to the side that they are on
  * (study/crossings.h), so that the step that crosses it, by which the crossing is found, is as

@@ -60,7 +60,7 @@ static void rest_or_fly(dl_located *located, size_t u, bool forced) {
     const double press = -dl_wall_away(side, located->a0[u]);
     if (press > 0 ? is_last_flight(located, u, side, rate, press)
                   : forced && press == 0 && rate == 0) {
-        dl_contacts_add(&located->contacts, u, side, v);
+        dl_contacts_add(&located->contacts, u, side, press > 0, v);
         located->counts.contacts++;
     }
 }

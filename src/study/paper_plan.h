@@ -45,11 +45,26 @@ typedef struct dl_paper_claim {
     size_t quantity;                     /* paper_quantity.h */
 } dl_paper_claim;
 
+enum { DL_PAPER_MARKS = 16 };
+
+/* A point of a curve that the paper prints. */
+typedef struct dl_paper_mark {
+    double at, value; /* step, or time where the method chooses its steps */
+} dl_paper_mark;
+
 typedef struct dl_paper_picture {
     dl_paper_source source;
     char *part, *figure, *caption;
+    char *reason; /* why there is none; "" where there is */
     int colour, window;
     bool velocities, equal_size;
+    char *curve; /* quantity that is drawn against the step; "": a state is drawn */
+    char *axis;  /* its name there; "": the quantity's */
+    char *published;
+    long particle;
+    size_t quantity; /* of the curve, paper_quantity.h */
+    size_t marks;
+    dl_paper_mark mark[DL_PAPER_MARKS];
 } dl_paper_picture;
 
 struct dl_paper {
@@ -97,6 +112,22 @@ dl_status dl_paper_state_open(const dl_paper_source *source, const dl_paper_run_
 void dl_paper_state_close(dl_paper_state *state);
 /* "drop1, step 229". */
 void dl_paper_source_text(const dl_paper_source *source, char *text, size_t size);
+
+/* --- a curve (paper_curve.c) ------------------------------------------------------------------ */
+
+/* A quantity at every frame of a run. */
+typedef struct dl_paper_curve {
+    size_t count;
+    double *at, *value; /* [count]; at: steps, or times where the method chooses its steps */
+    bool by_step;
+} dl_paper_curve;
+
+/* Sets quantity and marks of a picture with a curve from its texts; DL_INPUT: "expected ...". */
+dl_status dl_paper_curve_prepare(dl_paper_picture *picture, dl_error *error);
+/* DL_INPUT with the reason where the run has not come to its end, or a frame has no such value. */
+dl_status dl_paper_curve_measure(const dl_paper_picture *picture, const dl_paper_run_row *runs,
+                                 const char *folder, dl_paper_curve *curve, dl_error *error);
+void dl_paper_curve_free(dl_paper_curve *curve);
 
 /* --- judging (paper_judge.c) ------------------------------------------------------------------ */
 

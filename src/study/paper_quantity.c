@@ -111,6 +111,23 @@ dl_status dl_quantity_find(const char *name, size_t *index, dl_error *error) {
                    : find_column(name, &observable, &column, error);
 }
 
+dl_status dl_quantity_find_curve(const char *name, size_t *index, dl_error *error) {
+    size_t observable, column;
+    dl_status status = dl_quantity_find(name, index, error);
+    if (status)
+        return status;
+    if (*index < dl_quantity_count())
+        return quantities[*index].needs == DL_NEEDS_STATE
+                   ? DL_OK
+                   : dl_fail(error, DL_INPUT, "found \"%s\", expected a quantity of a state", name);
+    if ((status = find_column(name, &observable, &column, error)))
+        return status;
+    return dl_observable_at(observable)->rows == DL_ROWS_SYSTEM
+               ? DL_OK
+               : dl_fail(error, DL_INPUT, "found \"%s\", expected an observable of a single row",
+                         name);
+}
+
 /* Temperatures remember the frames before; after ten windows nothing is left of them. */
 static const double windows_remembered = 10;
 
@@ -144,26 +161,27 @@ static dl_status pick(const dl_paper_claim *claim, const dl_observation *observa
     if (claim->total) {
         *value = 0;
         for (size_t row = 0; row < observed.rows; row++)
-            *value += observed.mean[row * observed.columns + column];
+            *value += observed.present[row * observed.columns + column];
         return isfinite(*value) ? DL_OK : dl_fail(error, DL_INPUT, "it is not defined here");
     }
     for (size_t row = 0; row < observed.rows; row++)
         if (!observed.label || !isfinite(claim->row) ||
             fabs(observed.label[row] - claim->row) <= near) {
-            *value = observed.mean[row * observed.columns + column];
+            *value = observed.present[row * observed.columns + column];
             return isfinite(*value) ? DL_OK : dl_fail(error, DL_INPUT, "it is not defined here");
         }
     return dl_fail(error, DL_INPUT, "row: found %.6g, which the table of %s does not have",
                    claim->row, observed.observable->name);
 }
 
-static dl_status observe(const dl_paper_claim *claim, const dl_paper_state *state, double *value,
-                         dl_error *error) {
-    size_t observable, column;
+/* Of the claim's observable alone, for so many frames from the state on. */
+static dl_status open_observation(const dl_paper_claim *claim, const dl_paper_state *state,
+                                  size_t frames, dl_observation **observation, size_t *column,
+                                  dl_error *error) {
+    size_t observable;
     double lowest, highest;
-    dl_observation *observation = NULL;
     dl_observe_options how;
-    dl_status status = find_column(claim->computed, &observable, &column, error);
+    dl_status status = find_column(claim->computed, &observable, column, error);
     if (status)
         return status;
     bool *wanted = calloc(dl_observable_count(), sizeof *wanted);
@@ -173,17 +191,50 @@ static dl_status observe(const dl_paper_claim *claim, const dl_paper_state *stat
     dl_observe_options_default(&how);
     how.bin = claim->bin;
     dl_observe_heights(state->scene, state->y_all, &lowest, &highest);
-    status =
-        dl_observation_create(state->scene, &how, wanted, 1, lowest, highest, &observation, error);
+    status = dl_observation_create(state->scene, &how, wanted, frames, lowest, highest, observation,
+                                   error);
+    free(wanted);
+    return status;
+}
+
+static dl_status observe_now(const dl_paper_claim *claim, const dl_paper_state *state,
+                             dl_observation *observation, size_t column, double *value,
+                             dl_error *error) {
     const double time = state->frames ? state->frames->time[state->number] : 0;
+    const dl_status status = dl_observation_add(observation, time, state->y_all, error);
+    return status ? status : pick(claim, observation, column, value, error);
+}
+
+static dl_status observe(const dl_paper_claim *claim, const dl_paper_state *state, double *value,
+                         dl_error *error) {
+    dl_observation *observation = NULL;
+    size_t column = 0;
+    dl_status status = open_observation(claim, state, 1, &observation, &column, error);
     if (!status)
         status = warm(state, observation, error);
     if (!status)
-        status = dl_observation_add(observation, time, state->y_all, error);
-    if (!status)
-        status = pick(claim, observation, column, value, error);
+        status = observe_now(claim, state, observation, column, value, error);
     dl_observation_free(observation);
-    free(wanted);
+    return status;
+}
+
+dl_status dl_quantity_measure_frames(const dl_paper_claim *claim, dl_paper_state *state,
+                                     double *value, dl_error *error) {
+    const dl_quantity *const quantity =
+        claim->quantity < dl_quantity_count() ? &quantities[claim->quantity] : NULL;
+    const size_t count = state->frames->count;
+    dl_observation *observation = NULL;
+    size_t column = 0;
+    dl_status status =
+        quantity ? DL_OK : open_observation(claim, state, count, &observation, &column, error);
+    for (size_t k = 0; k < count && !status; k++) {
+        state->number = k;
+        status = dl_frames_read(state->frames, k, state->scene->dimension, state->y_all, error);
+        if (!status)
+            status = quantity ? quantity->measure(claim, state, &value[k], error)
+                              : observe_now(claim, state, observation, column, &value[k], error);
+    }
+    dl_observation_free(observation);
     return status;
 }
 

@@ -38,6 +38,14 @@ dl_status dl_quantity_find(const char *name, size_t *index, dl_error *error);
 dl_status dl_quantity_measure(const dl_paper_claim *claim, const dl_paper_run_row *runs,
                               const char *folder, double *value, dl_error *error);
 
+/* As dl_quantity_find, of what can be drawn as a curve: one number a state. */
+dl_status dl_quantity_find_curve(const char *name, size_t *index, dl_error *error);
+
+/* The claim's quantity, one of those, at every frame of the segment that is open,
+ * value [state->frames->count]; the state is that of the last frame then. */
+dl_status dl_quantity_measure_frames(const dl_paper_claim *claim, dl_paper_state *state,
+                                     double *value, dl_error *error);
+
 /* --- paper_quantity_state.c ------------------------------------------------------------------- */
 
 extern dl_quantity_measure_function dl_measure_refused, dl_measure_particles, dl_measure_mass,

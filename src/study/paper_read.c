@@ -217,10 +217,42 @@ static dl_status read_claim(dl_paper *paper, const dl_yaml *yaml, const dl_yaml_
     return status ? status : prepare_claim(paper, yaml, map, claim, error);
 }
 
+/* Fails with the first of these keys that the entry has. */
+static dl_status refuse_keys(const dl_yaml *yaml, const dl_yaml_node *map, const char *const *names,
+                             const char *expected, dl_error *error) {
+    for (; *names; names++)
+        if (dl_yaml_get(map, *names))
+            return dl_yaml_fail(yaml, dl_yaml_get(map, *names), *names, expected, error);
+    return DL_OK;
+}
+
+static dl_status prepare_curve(const dl_yaml *yaml, const dl_yaml_node *map,
+                               dl_paper_picture *picture, dl_error *error) {
+    static const char *const of_states[] = {"scene",  "step",       "time",       "colour",
+                                            "window", "velocities", "equal_size", NULL};
+    dl_error reason = {""};
+    dl_status status =
+        refuse_keys(yaml, map, of_states, "none beside `curve`, which is of a whole run", error);
+    if (!status && dl_paper_curve_prepare(picture, &reason))
+        status = dl_fail(error, DL_INPUT, "%s:%d: %.900s", dl_yaml_path(yaml),
+                         dl_yaml_line(dl_yaml_get(map, "curve")), reason.message);
+    return status;
+}
+
 static dl_status read_picture(dl_paper *paper, const dl_yaml *yaml, const dl_yaml_node *map,
                               size_t choice, dl_error *error) {
+    static const char *const of_curves[] = {"axis", "particle", "published", NULL};
+    static const char *const others[] = {
+        "scene", "run",      "step",      "time",       "colour",     "window", "curve",
+        "axis",  "particle", "published", "velocities", "equal_size", NULL};
     dl_paper_picture *picture = &paper->picture[paper->pictures++];
-    const dl_status status = read_choice(yaml, map, dl_paper_picture_table, choice, picture, error);
+    dl_status status = read_choice(yaml, map, dl_paper_picture_table, choice, picture, error);
+    if (status)
+        return status;
+    if (*picture->reason)
+        return refuse_keys(yaml, map, others, "none beside `reason`: there is no picture", error);
+    status = *picture->curve ? prepare_curve(yaml, map, picture, error)
+                             : refuse_keys(yaml, map, of_curves, "`curve` beside it", error);
     return status ? status : read_source(paper, yaml, map, &picture->source, error);
 }
 

@@ -61,6 +61,13 @@ static const char *const rule_words[] = {"equal", "at-least", "at-most", NULL};
         REAL(type, source.time, "time", "time", 0, "none",                                         \
              "at the frame of this time; none: the last")
 
+#define PARTICLE_ROW(type)                                                                         \
+    {                                                                                              \
+        .name = "particle", .kind = DL_INTEGER, .offset = offsetof(type, particle), .unit = "",    \
+        .minimum = 1, .maximum = 1e9, .fallback = "1",                                             \
+        .doc = "its number, from 1, as papers count"                                               \
+    }
+
 static const dl_parameter claim_rows[] = {
     TEXT(dl_paper_claim, part, "part", NULL, "heading under which it stands"),
     TEXT(dl_paper_claim, what, "what", NULL, "what was published"),
@@ -99,14 +106,7 @@ static const dl_parameter claim_rows[] = {
      .fallback = "-1",
      .doc = "the number is its change from this step of the run on; -1: the number itself"},
     REAL(dl_paper_claim, bin, "bin", "length", 0, "0", "width of the bins of height"),
-    {.name = "particle",
-     .kind = DL_INTEGER,
-     .offset = offsetof(dl_paper_claim, particle),
-     .unit = "",
-     .minimum = 1,
-     .maximum = 1e9,
-     .fallback = "1",
-     .doc = "its number, from 1, as papers count"},
+    PARTICLE_ROW(dl_paper_claim),
     {.name = "span",
      .kind = DL_INTEGER,
      .offset = offsetof(dl_paper_claim, span),
@@ -151,6 +151,15 @@ static const dl_parameter picture_rows[] = {
      .doc = "all particles, or the system without what has escaped"},
     FLAG(dl_paper_picture, velocities, "velocities", "arrows"),
     FLAG(dl_paper_picture, equal_size, "equal_size", "circles of one size"),
+    TEXT(dl_paper_picture, curve, "curve", "",
+         "draw this quantity (of a state, one number) at every frame of the run instead of a "
+         "state"),
+    TEXT(dl_paper_picture, axis, "axis", "", "the curve's name beside its axis"),
+    PARTICLE_ROW(dl_paper_picture),
+    TEXT(dl_paper_picture, published, "published", "",
+         "points of the curve that the paper prints: STEP VALUE, STEP VALUE, ..."),
+    TEXT(dl_paper_picture, reason, "reason", "",
+         "why there is no picture, without a scene or a run: stands in its place"),
 };
 
 const dl_parameter_table dl_paper_table = TABLE(paper_rows), dl_paper_run_table = TABLE(run_rows),

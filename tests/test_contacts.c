@@ -1,0 +1,126 @@
+/* Resting contacts that end because nothing presses any more: the neighbour that did has gone
+ * beyond the cutoff. Against exact solutions, for every method. */
+#include "fixture_runs.h"
+
+/* A ball on a side wall, pressed to it by a body so inert that it flies straight on, away from the
+ * wall with velocity 1. At t = 1/2 it is beyond the cutoff. */
+static const char pressed_ball[] =
+    "name: pressed-ball\n"
+    "source: test\n"
+    "dimension: 2\n"
+    "particles:\n"
+    "  - {at: [0, 0]}\n"
+    "  - {at: [0.5, 0], velocity: [1, 0], inertia: 1.0e18, coupling: 1, gravity: false}\n"
+    "%s" /* particles */
+    "pair_law:\n"
+    "  - {until: 1, terms: [{coefficient: 3, power: 2}], located: %s}\n"
+    "%s" /* pieces, gravity */
+    "walls: {x: [0, none], damping: 0.5, rule: located}\n"
+    "time: {step: 0.03, end: %g}\n";
+
+static dl_scene *ball_with(const char *particles, const char *located, const char *rest,
+                           double end) {
+    char text[2048];
+    snprintf(text, sizeof text, pressed_ball, particles, located, rest, end);
+    return scene_of_text(text);
+}
+
+/* With a tight tolerance where the method has one. */
+static finished run_closely(const dl_scene *scene, const dl_method_row *row) {
+    const dl_run_options how = run_options(0, 0);
+    const char *const setting = dl_parameter_find(row->options, "rtol") ? "rtol=1e-10" : "";
+    finished run = run_with(scene, row, setting, &how);
+    if (run.summary.status)
+        fail_msg("%s on %s: %s", row->name, scene->name, run.summary.message);
+    return run;
+}
+
+static void check(const dl_method_row *row, const char *what, double value, double expected,
+                  double near) {
+    if (!(fabs(value - expected) <= near))
+        fail_msg("%s: %s is %.17g, expected %.17g", row->name, what, value, expected);
+}
+
+/* It is held while it is pressed, and falls along the wall from then on. */
+static void check_fall(const dl_method_row *row, const dl_scene *scene) {
+    const double weight = 2, falls = scene->end - 0.5;
+    finished run = run_closely(scene, row);
+    check(row, "x", run.y[0], 0, 0);
+    check(row, "y", run.y[2], -weight * falls * falls / 2, 1e-7);
+    check(row, "v_x", run.y[4], 0, 0);
+    check(row, "v_y", run.y[6], -weight * falls, 1e-7);
+    assert_int_equal(run.summary.contacts, 1);
+    assert_int_equal(run.summary.releases, 1);
+    assert_int_equal(run.summary.wall_hits, 0);
+    free(run.y);
+}
+
+static void what_hung_on_a_wall_falls(void **state) {
+    (void)state;
+    dl_scene *const scene = ball_with("", "true", "gravity: [0, -2]\n", 1.5);
+    for (size_t m = 0; m < dl_method_count(); m++)
+        check_fall(dl_method_row_at(m), scene);
+    dl_scene_free(scene);
+}
+
+/* Where the crossing of the cutoff is not located the contact's end is, all the same. Methods with
+ * stages that go back in time see the body within the cutoff once more. */
+static void a_cutoff_that_is_not_located_ends_a_contact_too(void **state) {
+    (void)state;
+    static const char *const names[] = {"leapfrog",    "composition-2-verlet", "arkode-erk",
+                                        "cvode-adams", "cvode-bdf-klu",        "gsl-rk8pd"};
+    dl_scene *const scene = ball_with("", "false", "gravity: [0, -2]\n", 1.5);
+    for (size_t m = 0; m < sizeof names / sizeof *names; m++)
+        check_fall(method_of(names[m]), scene);
+    dl_scene_free(scene);
+}
+
+/* Without other forces it stays where it is, until another body presses it again, from t = 3/2,
+ * where that is 1 away, to 31/10. */
+static void what_is_pressed_again_rests_again(void **state) {
+    (void)state;
+    static const char second[] =
+        "  - {at: [0.6, 2.3], velocity: [0, -1], inertia: 1.0e18, coupling: 1, gravity: false}\n";
+    dl_scene *const scene = ball_with(second, "true", "", 3.51);
+    for (size_t m = 0; m < dl_method_count(); m++) {
+        const dl_method_row *const row = dl_method_row_at(m);
+        finished run = run_closely(scene, row);
+        for (size_t c = 0; c < 4; c++)
+            check(row, "the ball's coordinate", run.y[3 * c], 0, 0);
+        assert_int_equal(run.summary.contacts, 2);
+        assert_int_equal(run.summary.releases, 2);
+        free(run.y);
+    }
+    dl_scene_free(scene);
+}
+
+/* The same body attracts it from the distance 2, which is at t = 3/2, with c/r^2: so weakly that
+ * the ball's own way does not count. */
+static void what_is_pulled_away_later_leaves(void **state) {
+    (void)state;
+    static const char pieces[] =
+        "  - {until: 2, terms: [{coefficient: 0, power: 2}], located: true}\n"
+        "  - {terms: [{coefficient: -1.0e-3, power: 2}]}\n";
+    const double c = 1e-3, s = 0.99;
+    dl_scene *const scene = ball_with("", "true", pieces, 1.5 + s);
+    for (size_t m = 0; m < dl_method_count(); m++) {
+        const dl_method_row *const row = dl_method_row_at(m);
+        finished run = run_closely(scene, row);
+        check(row, "x", run.y[0] / (c * (s / 2 - log1p(s / 2))), 1, 1e-3);
+        check(row, "v_x", run.y[4] / (c * (0.5 - 1 / (2 + s))), 1, 1e-3);
+        assert_int_equal(run.summary.contacts, 1);
+        assert_int_equal(run.summary.releases, 1);
+        free(run.y);
+    }
+    dl_scene_free(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_hung_on_a_wall_falls),
+        cmocka_unit_test(a_cutoff_that_is_not_located_ends_a_contact_too),
+        cmocka_unit_test(what_is_pressed_again_rests_again),
+        cmocka_unit_test(what_is_pulled_away_later_leaves),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
