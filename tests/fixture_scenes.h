@@ -67,6 +67,20 @@ FIXTURE void fixture_law(dl_scene *scene, double until, double attraction, doubl
     scene->law.piece[0].term[1] = (dl_term){.coefficient = repulsion, .power = b};
 }
 
+/* The same forces in two parts: of each piece the first term is slow, or a half of its only one. */
+FIXTURE void fixture_split(dl_scene *scene) {
+    for (int k = 0; k < scene->law.pieces; k++) {
+        dl_piece *piece = &scene->law.piece[k];
+        piece->part[0] = DL_PART_SLOW;
+        if (piece->terms > 1)
+            continue;
+        piece->term[0].coefficient /= 2;
+        piece->term[1] = piece->term[0];
+        piece->part[1] = DL_PART_FAST;
+        piece->terms = 2;
+    }
+}
+
 /* A fixed sequence of numbers in [-1, 1]. */
 FIXTURE double fixture_noise(unsigned index) {
     const double s = sin(12.9898 * (index + 1.0)) * 43758.5453;
@@ -149,6 +163,24 @@ FIXTURE dl_scene *fixture_cluster(void) {
     scene->inertia[12] = 3;
     scene->step = 0.002;
     scene->end = 0.2;
+    return scene;
+}
+
+/* A crystal of 36 particles and stiff bonds that hardly vibrates and flies along x with velocity 1,
+ * so that steps are long against its vibrations. */
+FIXTURE dl_scene *fixture_stiff_crystal(double stiffness, double disturbance) {
+    enum { side = 6, particles = side * side };
+    dl_scene *scene = fixture_scene("fixture-stiff-crystal", 2, particles);
+    fixture_law(scene, 1.4, stiffness, 2, stiffness, 5);
+    for (size_t i = 0; i < particles; i++) {
+        const size_t row = i / side;
+        const double x = (double)(i % side) + 0.5 * (double)(row % 2);
+        const unsigned k = 4 * (unsigned)i;
+        fixture_place(scene, i,
+                      (double[3]){x + disturbance * fixture_noise(k),
+                                  sqrt(0.75) * (double)row + disturbance * fixture_noise(k + 1)},
+                      (double[3]){1, 0});
+    }
     return scene;
 }
 

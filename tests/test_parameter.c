@@ -24,15 +24,18 @@ typedef struct record {
 static const char *const solvers[] = {"fixed-point", "newton", "krylov", NULL};
 
 static const dl_parameter rows[] = {
-    {"step", DL_REAL, offsetof(record, step), "time", 0, 10, true, NULL, NULL, "the step"},
+    {"step", DL_REAL, offsetof(record, step), "time", 0, 10, true, NULL, NULL, "the step", NULL},
     {"reach", DL_REAL, offsetof(record, reach), "length", 0, INFINITY, false, NULL, "none",
-     "the reach"},
+     "the reach", "dense=true"},
     {"free_real", DL_REAL, offsetof(record, free_real), "", -INFINITY, INFINITY, false, NULL, "0.5",
-     "any number"},
-    {"order", DL_INTEGER, offsetof(record, order), "", -2, 8, false, NULL, "4", "the order"},
-    {"dense", DL_FLAG, offsetof(record, dense), "", 0, 0, false, NULL, "true", "a flag"},
-    {"solver", DL_WORD, offsetof(record, solver), "", 0, 0, false, solvers, "newton", "a word"},
-    {"label", DL_TEXT, offsetof(record, label), "", 0, 0, false, NULL, "a label", "a text"},
+     "any number", "solver=krylov|newton"},
+    {"order", DL_INTEGER, offsetof(record, order), "", -2, 8, false, NULL, "4", "the order",
+     "reach=none"},
+    {"dense", DL_FLAG, offsetof(record, dense), "", 0, 0, false, NULL, "true", "a flag",
+     "elsewhere=1"},
+    {"solver", DL_WORD, offsetof(record, solver), "", 0, 0, false, solvers, "newton", "a word",
+     NULL},
+    {"label", DL_TEXT, offsetof(record, label), "", 0, 0, false, NULL, "a label", "a text", NULL},
 };
 
 static const dl_parameter_table table = {rows, sizeof rows / sizeof *rows};
@@ -248,6 +251,30 @@ static void messages_stay_one_short_valid_line(void **state) {
     assert_non_null(strstr(text, "...\""));
 }
 
+/* A value is used where what its `when` names has one of the values there, and is used itself. */
+static void conditions_hold(void **state) {
+    (void)state;
+    record r = {.step = 1};
+    assert_int_equal(dl_parameter_defaults(table, &r, NULL), DL_OK);
+    for (size_t i = 0; i < table.count; i++)
+        assert_true(dl_parameter_applies(table, &rows[i], &r));
+    assert_null(dl_parameter_cause(table, row_of("step")));
+    assert_null(dl_parameter_cause(table, row_of("dense"))); /* of something that is not there */
+    assert_ptr_equal(dl_parameter_cause(table, row_of("reach")), row_of("dense"));
+    r.solver = 0;
+    assert_false(dl_parameter_applies(table, row_of("free_real"), &r));
+    r.solver = 2;
+    assert_true(dl_parameter_applies(table, row_of("free_real"), &r));
+    assert_true(dl_parameter_applies(table, row_of("order"), &r));
+    r.dense = false; /* the reach is not used now, nor what depends on it */
+    assert_false(dl_parameter_applies(table, row_of("reach"), &r));
+    assert_false(dl_parameter_applies(table, row_of("order"), &r));
+    r.dense = true;
+    r.reach = 2;
+    assert_false(dl_parameter_applies(table, row_of("order"), &r));
+    dl_parameter_release(table, &r);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(defaults_are_set),
@@ -258,6 +285,7 @@ int main(void) {
         cmocka_unit_test(ranges_as_text),
         cmocka_unit_test(reals_read_back),
         cmocka_unit_test(messages_stay_one_short_valid_line),
+        cmocka_unit_test(conditions_hold),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,6 +5,6 @@
 #include <stdio.h>
 #include "driftlab/model.h"
 
-void dl_explain(const dl_model *model, FILE *out);
+void dl_explain(dl_model *model, FILE *out);
 
 #endif

@@ -34,6 +34,15 @@ typedef struct dl_sparsity {
     unsigned long generation; /* changes whenever the pattern does */
 } dl_sparsity;
 
+/* What the mean acceleration over a step from q to q + delta is: the choice that tells the schemes
+ * of one family apart (model/discrete.c). */
+typedef enum dl_mean {
+    DL_MEAN_QUOTIENT, /* difference quotients of the pairs' potentials, TR171 (2.4) */
+    DL_MEAN_GONZALEZ, /* at the middle, corrected along delta: doi:10.1007/BF02440162 */
+    DL_MEAN_AVERAGE,  /* average along delta: doi:10.1088/1751-8113/41/4/045206 */
+    DL_MEAN_MIDPOINT, /* at the middle */
+} dl_mean;
+
 typedef struct dl_kernel dl_kernel;
 typedef struct dl_model dl_model;
 
@@ -50,6 +59,7 @@ struct dl_model {
     bool has_pins;
     bool locates_hits;      /* on walls, and */
     bool locates_crossings; /* of breakpoints: steps begin and end at any time */
+    dl_mean mean;
     dl_counts counts;
     dl_kernel *kernel;
     struct dl_model_private *priv;
@@ -63,6 +73,8 @@ struct dl_model {
     dl_status (*acceleration)(dl_model *model, const double *q, double *a, dl_error *error);
     dl_status (*discrete_acceleration)(dl_model *model, const double *q, const double *delta,
                                        double *a, dl_error *error);
+    dl_status (*part_acceleration)(dl_model *model, dl_part part, const double *q, double *a,
+                                   dl_error *error);
 };
 
 dl_status dl_model_create(const dl_scene *scene, dl_model **model, dl_error *error);
@@ -82,6 +94,19 @@ dl_status dl_model_acceleration(dl_model *model, const double *q, double *a, dl_
 /* y' = (v, a(q)); y and ydot [2 * unknowns] must not overlap. */
 dl_status dl_model_rhs(dl_model *model, const double *y, double *ydot, dl_error *error);
 
+/* Makes the two parts of the force ready, each with a kernel of its own reach; what has been made
+ * is kept. DL_INPUT, telling what a scene would have to say, where one of them is empty. */
+dl_status dl_model_split(dl_model *model, dl_error *error);
+
+/* The acceleration of one part, once dl_model_split has succeeded; those of both add up to the
+ * whole but for roundoff. Counted as a force, whichever part it is. */
+dl_status dl_model_part_acceleration(dl_model *model, dl_part part, const double *q, double *a,
+                                     dl_error *error);
+
+/* The part as a model, for its Jacobian; it belongs to `model`, where its work is counted. To be
+ * asked for before each use: what is held on walls may have changed. */
+dl_model *dl_model_part(dl_model *model, dl_part part);
+
 /* Pattern of d a / d q that is valid at q (and, for the discrete gradient, from q to q + delta
  * where delta is not NULL). It belongs to the model and holds until the next call; `generation`
  * tells whether it has changed. */
@@ -95,14 +120,41 @@ dl_status dl_model_jacobian(dl_model *model, const double *q, double *values, dl
 dl_status dl_model_jacobian_vector(dl_model *model, const double *q, const double *u, double *out,
                                    dl_error *error);
 
-/* The discrete gradient of TR171 (2.4): mean acceleration over the step from q to q + delta, whose
- * work  sum inertia_i a_i . delta_i  is exactly minus the change of potential energy. */
+/* Which mean the discrete functions below stand for; DL_MEAN_QUOTIENT before. */
+dl_status dl_model_set_mean(dl_model *model, dl_mean mean, dl_error *error);
+
+/* Mean acceleration over the step from q to q + delta. Its work  sum inertia_i a_i . delta_i  is
+ * exactly minus the change of potential energy, but for DL_MEAN_MIDPOINT. Counted as the forces it
+ * takes: 2 for DL_MEAN_GONZALEZ, else 1. */
 dl_status dl_model_discrete_acceleration(dl_model *model, const double *q, const double *delta,
                                          double *a, dl_error *error);
 
-/* values[k] = d (discrete acceleration)_row / d delta_column, pattern as for the Jacobian. */
+/* values[k] = d (discrete acceleration)_row / d delta_column, pattern as for the Jacobian. Left out
+ * for DL_MEAN_GONZALEZ: its correction, which couples everything with everything. */
 dl_status dl_model_discrete_jacobian(dl_model *model, const double *q, const double *delta,
                                      double *values, dl_error *error);
+
+/* Products with that derivative, the whole of it, without a matrix: prepared at q and delta, then
+ * out = (d a / d delta) u; u and out must not overlap. Nearly the derivative for DL_MEAN_GONZALEZ
+ * where a pair passes a jump of its force. */
+dl_status dl_model_discrete_product_prepare(dl_model *model, const double *q, const double *delta,
+                                            dl_error *error);
+void dl_model_discrete_product(dl_model *model, const double *u, double *out);
+/* Frees what was prepared. */
+void dl_model_discrete_product_forget(dl_model *model);
+/* The prepared derivative's blocks on the diagonal: by particle, row and column,
+ * block [moving * dimension * dimension]. */
+void dl_model_discrete_diagonal(const dl_model *model, double *block);
+
+/* Pairs that cross a breakpoint where the force jumps (model/crossings.c). dl_model_crossings_begin
+ * finds those of the step from q to about q + delta, of length h: none where no force jumps, or
+ * where the mean is not one of pairs. dl_model_crossings_settle takes an iterate delta and its
+ * image h v + (h^2/2) a, a that of q + delta, and makes image and a those in which these pairs have
+ * the force of the image itself. */
+dl_status dl_model_crossings_begin(dl_model *model, const double *q, const double *delta, double h,
+                                   dl_error *error);
+bool dl_model_crossings_any(const dl_model *model);
+void dl_model_crossings_settle(dl_model *model, const double *delta, double *image, double *a);
 
 /* Neighbour lists built so far, by observation too; 0 where the kernel has none. */
 unsigned long dl_model_list_builds(const dl_model *model);
@@ -114,6 +166,9 @@ dl_status dl_model_energy(dl_model *model, const double *y, dl_energy *energy, d
  * Costs a discrete force where positions differ, and nothing of pairs where velocities alone do. */
 dl_status dl_model_energy_change(dl_model *model, const double *y0, const double *y1,
                                  dl_energy *change, dl_error *error);
+/* The total energy's derivative, (-inertia a(q), inertia v) [2 * unknowns]. Counted as a force. */
+dl_status dl_model_energy_gradient(dl_model *model, const double *y, double *gradient,
+                                   dl_error *error);
 
 /* Kinetic energy (in the centre-of-mass frame where the scene is Galilean-invariant) plus the sum
  * of the moduli of the potential terms. > 0; 1 where everything vanishes. */
@@ -138,6 +193,10 @@ double dl_model_inertia(const dl_model *model);
 
 /* Sum over the moving particles of  inertia_i a_i . b_i;  a, b [unknowns]. */
 double dl_model_work(const dl_model *model, const double *a, const double *b);
+
+/* Takes from accelerations [unknowns] what they give to the mass centre: the roundoff of their sum
+ * where only pairs act. */
+void dl_model_rest_centre(const dl_model *model, double *a);
 
 /* Rate at which gravity changes the linear momentum, [3]. */
 void dl_model_gravity_force(const dl_model *model, double force[3]);

@@ -26,6 +26,8 @@ typedef struct dl_parameter {
     const char *const *words; /* DL_WORD: the words allowed, NULL-terminated */
     const char *fallback;     /* default, as it would be written; NULL: required */
     const char *doc;          /* one line */
+    const char *when;         /* used only where another parameter of its table has one of these
+                               * values, "step=0" or "solver=klu|dense"; NULL: always */
 } dl_parameter;
 
 typedef struct dl_parameter_table {
@@ -58,6 +60,14 @@ int dl_parameter_format(const dl_parameter *row, const void *object, char *text,
 
 /* What is allowed, as text: "> 0", ">= 0, <= 1", "fixed-point | newton", ... */
 int dl_parameter_range(const dl_parameter *row, char *text, size_t size);
+
+/* The parameter that `when` names; NULL where there is no `when`, or none of that name in the
+ * table: the value is always used. */
+const dl_parameter *dl_parameter_cause(dl_parameter_table table, const dl_parameter *row);
+
+/* Whether the value is used beside the others of `object`: what its `when` asks for holds, and the
+ * parameter named there is used itself. */
+bool dl_parameter_applies(dl_parameter_table table, const dl_parameter *row, const void *object);
 
 /* Frees the DL_TEXT values. */
 void dl_parameter_release(dl_parameter_table table, void *object);

@@ -29,11 +29,16 @@ typedef enum dl_piece_end {
                    * S = 1 - 10 u^3 + 15 u^4 - 6 u^5, u = (r - until + width)/width */
 } dl_piece_end;
 
+/* What methods that split the force treat apart: the fast part implicitly or by short steps, the
+ * slow part explicitly or by long ones. Uniform gravity is slow. */
+typedef enum dl_part { DL_PART_FAST, DL_PART_SLOW } dl_part;
+
 /* Force on (previous until, until]; `until` is INFINITY where the piece never ends. */
 typedef struct dl_piece {
     double until;
     int terms;
     dl_term term[DL_MAX_TERMS];
+    dl_part part[DL_MAX_TERMS]; /* that each term belongs to */
     dl_piece_end end;
     double width; /* of a taper, less than the piece is long */
     bool located; /* of a hard or shifted end: pairs that cross it are stopped there */

@@ -216,7 +216,7 @@ int dl_parameter_range(const dl_parameter *row, char *text, size_t size) {
 }
 
 static dl_status refuse(const dl_parameter *row, const char *value, dl_error *error) {
-    char range[512], shown[quoted_size];
+    char range[1024], shown[quoted_size];
     dl_parameter_range(row, range, sizeof range);
     dl_quote(value, shown, sizeof shown);
     const char *noun = "";
@@ -315,6 +315,37 @@ dl_status dl_parameter_defaults(dl_parameter_table table, void *object, dl_error
             return status;
     }
     return DL_OK;
+}
+
+/* --- which are used --------------------------------------------------------------------------- */
+
+/* Whether `value` is one of the words that `list` holds, with | between them. */
+static bool is_listed(const char *list, const char *value) {
+    const size_t length = strlen(value);
+    for (const char *word = list;; word += strcspn(word, "|") + 1) {
+        if (strcspn(word, "|") == length && strncmp(word, value, length) == 0)
+            return true;
+        if (word[strcspn(word, "|")] == '\0')
+            return false;
+    }
+}
+
+const dl_parameter *dl_parameter_cause(dl_parameter_table table, const dl_parameter *row) {
+    if (!row->when)
+        return NULL;
+    char name[longest_word + 1];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(row->when, "="), row->when);
+    return dl_parameter_find(table, name);
+}
+
+bool dl_parameter_applies(dl_parameter_table table, const dl_parameter *row, const void *object) {
+    const dl_parameter *const cause = dl_parameter_cause(table, row);
+    if (!cause)
+        return true;
+    char value[longest_word + 1];
+    dl_parameter_format(cause, object, value, sizeof value);
+    return is_listed(strchr(row->when, '=') + 1, value) &&
+           dl_parameter_applies(table, cause, object);
 }
 
 void dl_parameter_release(dl_parameter_table table, void *object) {

@@ -157,13 +157,26 @@ int dl_law_piece_within(const dl_law *law, dl_law_range range, double r_squared)
     return k < range.first ? range.first : k > range.last ? range.last : k;
 }
 
+double dl_law_force_over_r_in(const dl_law *law, int piece, double r) {
+    if (piece == law->pieces)
+        return 0;
+    return law->width[piece] > 0 ? dl_taper_force_over_r(law, piece, r)
+                                 : dl_law_sum(law, piece, 0, law->terms[piece], r, 1);
+}
+
 double dl_law_force_over_r_within(const dl_law *law, dl_law_range range, double r_squared) {
     int k = dl_law_piece_within(law, range, r_squared);
-    if (k == law->pieces)
+    return k == law->pieces ? 0 : dl_law_force_over_r_in(law, k, sqrt(r_squared));
+}
+
+double dl_law_jump(const dl_law *law, int piece) {
+    double r = law->until[piece];
+    if (isinf(r))
         return 0;
-    double r = sqrt(r_squared);
-    return law->width[k] > 0 ? dl_taper_force_over_r(law, k, r)
-                             : dl_law_sum(law, k, 0, law->terms[k], r, 1);
+    double inside = dl_law_force_over_r_in(law, piece, r);
+    double outside = dl_law_force_over_r_in(law, piece + 1, r);
+    double roundoff = 1e-9 * fmax(fabs(inside), fabs(outside));
+    return fabs(outside - inside) > roundoff ? r * (outside - inside) : 0;
 }
 
 double dl_law_force_over_r(const dl_law *law, double r_squared) {

@@ -63,9 +63,12 @@ double dl_law_sum(const dl_law *law, int piece, int first, int terms, double r, 
 /* sum_s -(p_s + 1) c_s r^(-p_s - 3): (1/r) d(F/r)/dr of a sum. */
 double dl_law_sum_slope(const dl_law *law, int piece, int first, int terms, double r);
 
-/* F(r)/r. */
+/* F(r)/r, and the same of a piece's own formula (0 beyond the last piece). */
 double dl_law_force_over_r(const dl_law *law, double r_squared);
 double dl_law_force_over_r_within(const dl_law *law, dl_law_range range, double r_squared);
+double dl_law_force_over_r_in(const dl_law *law, int piece, double r);
+/* By how much F jumps at the end of a piece, from inside to outside; 0 where that is roundoff. */
+double dl_law_jump(const dl_law *law, int piece);
 /* (1/r) d(F/r)/dr, so that the pair's force has the Jacobian  (F/r) I + this * d d^T. */
 double dl_law_force_slope(const dl_law *law, double r_squared);
 double dl_law_force_slope_within(const dl_law *law, dl_law_range range, double r_squared);
@@ -81,5 +84,13 @@ double dl_law_potential(const dl_law *law, double r_squared);
 double dl_law_discrete(const dl_law *law, double s0, double s1, double ds, double *slope);
 double dl_law_discrete_within(const dl_law *law, dl_law_range range, double s0, double s1,
                               double ds, double *slope);
+
+/* The average of the pair's force along the straight way from d to d + change,
+ *     f = integral over x from 0 to 1 of (F(r)/r)(d + x change),
+ * into force [dimension], and its derivative by `change` into block (NULL: not wanted). By Gauss's
+ * rule of dl_gauss_points points on parts of the way: they end at the breakpoints, and are so short
+ * beside the distance that the rule is exact to roundoff (law_taper.h). */
+void dl_law_average(const dl_law *law, int dimension, const double *d, const double *change,
+                    double *force, double (*block)[3]);
 
 #endif

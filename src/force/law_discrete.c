@@ -86,19 +86,22 @@ static double discrete_piece(const dl_law *law, int piece, double s0, double s1,
 }
 
 /* From s0 to s1 over pieces: each part weighs (its share of s1 - s0), in [0, 1]. The outer parts
- * may go on beyond their pieces. */
+ * may go on beyond their pieces. The last part is what the others leave of ds: measured by s1
+ * itself it would have the roundoff of s1, which is large beside a short way. */
 static double discrete_across(const dl_law *law, int from, int to, double s0, double s1,
                               double ds) {
-    int low = from < to ? from : to, high = from < to ? to : from;
-    double near = from < to ? s0 : s1, far = from < to ? s1 : s0, length = fabs(ds), g = 0;
-    for (int k = low; k <= high && k < law->pieces; k++) {
-        double begin = k == low ? near : law->until2[k - 1];
-        double end = k == high ? far : law->until2[k];
-        double share = fmin(1, (end - begin) / length);
-        if (share > 0)
-            g += share * discrete_piece(law, k, begin, end, end - begin, NULL);
+    const int way = from < to ? 1 : -1;
+    double begin = s0, left = fabs(ds), g = 0;
+    for (int k = from;; k += way) {
+        const double end = k == to ? s1 : law->until2[way > 0 ? k : k - 1];
+        const double length = k == to ? fmax(left, 0) : fmin(fabs(end - begin), left);
+        if (length > 0 && k < law->pieces)
+            g += length / fabs(ds) * discrete_piece(law, k, begin, end, way * length, NULL);
+        if (k == to)
+            return g;
+        left -= length;
+        begin = end;
     }
-    return g;
 }
 
 double dl_law_discrete(const dl_law *law, double s0, double s1, double ds, double *slope) {

@@ -54,6 +54,19 @@ dl_status dl_model_energy(dl_model *model, const double *y, dl_energy *energy, d
     return DL_OK;
 }
 
+dl_status dl_model_energy_gradient(dl_model *model, const double *y, double *gradient,
+                                   dl_error *error) {
+    const double *v = y + model->unknowns;
+    dl_status status = dl_model_acceleration(model, y, gradient, error);
+    for (size_t c = 0; c < (size_t)model->dimension; c++)
+        for (size_t k = 0; k < model->moving; k++) {
+            size_t i = c * model->moving + k;
+            gradient[i] *= -model->priv->inertia[k];
+            gradient[model->unknowns + i] = model->priv->inertia[k] * v[i];
+        }
+    return status;
+}
+
 /* Velocity of the centre of mass; 0 where another frame would not do. */
 static void frame_velocity(const dl_model *model, const double *y, double drift[3]) {
     double angular[3], mass = dl_model_inertia(model);

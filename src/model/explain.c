@@ -45,17 +45,19 @@ static void explain_sum(const dl_law *law, int k, int first, int terms, FILE *ou
 
 /* A taper's S falls from 1 to 0, force/law_taper.h. */
 static void explain_blend(const dl_law *law, int k, FILE *out) {
-    fprintf(out, " S (");
-    explain_sum(law, k, 0, law->terms[k], out);
-    fprintf(out, " )");
+    if (law->terms[k] > 0) {
+        fprintf(out, " S (");
+        explain_sum(law, k, 0, law->terms[k], out);
+        fprintf(out, " )");
+    }
     if (law->next_terms[k] == 0)
         return;
-    fprintf(out, " + (1 - S) (");
+    fprintf(out, "%s (1 - S) (", law->terms[k] > 0 ? " +" : "");
     explain_sum(law, k, law->terms[k], law->next_terms[k], out);
     fprintf(out, " )");
 }
 
-static void explain_piece(const dl_law *law, int k, FILE *out) {
+static void explain_piece(const dl_law *law, int k, const char *label, FILE *out) {
     static const char *const ends[] = {
         [DL_END_HARD] = "hard",
         [DL_END_SHIFTED_FORCE] = "shifted force",
@@ -64,7 +66,7 @@ static void explain_piece(const dl_law *law, int k, FILE *out) {
     char from[40], until[40];
     dl_format_real(k ? law->until[k - 1] : 0, from, sizeof from);
     dl_format_real(law->until[k], until, sizeof until);
-    fprintf(out, "  %-10s F(r) =", k ? "" : "pair law");
+    fprintf(out, "  %-10s F(r) =", label);
     if (law->width[k] > 0)
         explain_blend(law, k, out);
     else
@@ -76,6 +78,15 @@ static void explain_piece(const dl_law *law, int k, FILE *out) {
                 law->located[k] ? ", located" : "");
     else
         fprintf(out, "   for r > %s\n", from);
+}
+
+static void explain_law(const dl_law *law, const char *label, FILE *out) {
+    for (int k = 0; k < law->pieces; k++) {
+        if (law->terms[k] + law->next_terms[k] == 0)
+            continue; /* of a part of the force: nothing acts there */
+        explain_piece(law, k, label, out);
+        label = "";
+    }
 }
 
 /* One law a pair of species, each under their names. */
@@ -95,8 +106,7 @@ static void explain_species(const dl_model *model, FILE *out) {
             snprintf(text, sizeof text, "%.60s with %.60s%s", scene->species_name[a],
                      scene->species_name[b], law->pieces ? "" : ": no force");
             line(out, "pairs", text);
-            for (int k = 0; k < law->pieces; k++)
-                explain_piece(law, k, out);
+            explain_law(law, "pair law", out);
         }
 }
 
@@ -114,13 +124,8 @@ static const char *loops_name(const dl_model *model) {
     return name;
 }
 
-static void explain_pairs(const dl_model *model, FILE *out) {
-    const dl_law *law = model->priv->law;
+static void explain_kernel(const dl_model *model, FILE *out) {
     char text[200];
-    if (model->scene->species > 0)
-        explain_species(model, out);
-    for (int k = 0; model->scene->species == 0 && k < law->pieces; k++)
-        explain_piece(law, k, out);
     if (!model->kernel)
         return;
     snprintf(text, sizeof text, "%s, because %s", model->kernel->ops->name, model->kernel->reason);
@@ -134,6 +139,44 @@ static void explain_crossings(const dl_model *model, FILE *out) {
     if (model->locates_crossings)
         line(out, "crossings",
              "located: a step ends where a pair passes a breakpoint, the method starts anew");
+}
+
+static void explain_pairs(const dl_model *model, FILE *out) {
+    if (model->scene->species > 0)
+        explain_species(model, out);
+    else
+        explain_law(model->priv->law, "pair law", out);
+    explain_kernel(model, out);
+}
+
+/* What is in one part of the force. */
+static void explain_part(const dl_model *part, const char *label, FILE *out) {
+    const dl_scene *scene = part->scene;
+    char text[200];
+    if (scene->species == 0)
+        explain_law(part->priv->law, label, out);
+    for (size_t k = 0; k < scene->species * scene->species; k++) {
+        const dl_law *law = &part->priv->law[k];
+        const size_t a = k / scene->species, b = k % scene->species;
+        if (a > b || law->pieces == 0)
+            continue;
+        snprintf(text, sizeof text, "%.60s with %.60s", scene->species_name[a],
+                 scene->species_name[b]);
+        line(out, label, text);
+        explain_law(law, "", out);
+        label = "";
+    }
+    if (part->has_gravity)
+        line(out, part->kernel ? "" : label, "gravity");
+    explain_kernel(part, out);
+}
+
+/* Where methods that split the force have something to split. */
+static void explain_parts(dl_model *model, FILE *out) {
+    if (dl_model_split(model, NULL))
+        return;
+    explain_part(dl_model_part(model, DL_PART_FAST), "fast part", out);
+    explain_part(dl_model_part(model, DL_PART_SLOW), "slow part", out);
 }
 
 static void explain_gravity(const dl_model *model, FILE *out) {
@@ -259,6 +302,7 @@ static void explain_absent(const dl_model *model, FILE *out) {
         {!model->has_periods, "periods"},
         {!model->has_radiation, "radiation"},
         {!model->has_pins, "pinned particles"},
+        {!model->priv->part[DL_PART_SLOW], "a slow part of the force"},
     };
     const char *separator = "";
     fprintf(out, "  %-10s ", "left out");
@@ -297,7 +341,7 @@ static void explain_time(const dl_model *model, FILE *out) {
     line(out, "time", text);
 }
 
-void dl_explain(const dl_model *model, FILE *out) {
+void dl_explain(dl_model *model, FILE *out) {
     fprintf(out, "%s", model->scene->name);
     if (model->scene->source && *model->scene->source)
         fprintf(out, " (%s)", model->scene->source);
@@ -306,6 +350,7 @@ void dl_explain(const dl_model *model, FILE *out) {
     explain_pairs(model, out);
     explain_crossings(model, out);
     explain_gravity(model, out);
+    explain_parts(model, out);
     explain_walls(model, out);
     explain_periods(model, out);
     explain_radiation(model, out);

@@ -1,32 +1,19 @@
 /* d a / d q, analytic and sparse: for a pair with d = r_i - r_j the force F on i has
  *     dF/dr_i = -dF/dr_j = coupling ((F/r) I + ((F/r)'/r) d d^T)
- * and the discrete force G (d0 + d1), by the end d1,
+ * and a mean force over a step another block (discrete.c): for the quotients' G (d0 + d1), by the
+ * end d1,
  *     coupling (G I + 2 (dG/ds1) (d0 + d1) d1^T).
  * A row of the acceleration is the force's divided by its inertia. */
 #include <stdlib.h>
 #include <string.h>
 #include "model/private.h"
 
-typedef void dl_block_of(const dl_model *model, const dl_pair *pair, double block[3][3]);
-
-static void block_of_force(const dl_model *model, const dl_pair *pair, double block[3][3]) {
+void dl_block_of_force(const dl_model *model, const dl_pair *pair, double block[3][3]) {
     double f = pair->coupling * dl_law_force_over_r_within(pair->law, pair->range, pair->s);
     double g = pair->coupling * dl_law_force_slope_within(pair->law, pair->range, pair->s);
     for (int r = 0; r < model->dimension; r++)
         for (int c = 0; c < model->dimension; c++)
             block[r][c] = (r == c ? f : 0) + g * pair->d[r] * pair->d[c];
-}
-
-static void block_of_discrete(const dl_model *model, const dl_pair *pair, double block[3][3]) {
-    double slope;
-    double g = pair->coupling *
-               dl_law_discrete_within(pair->law, pair->range, pair->s, pair->s1, pair->ds, &slope);
-    slope *= pair->coupling;
-    for (int r = 0; r < model->dimension; r++)
-        for (int c = 0; c < model->dimension; c++) {
-            double end = pair->d[c] + pair->change[c], sum = 2 * pair->d[r] + pair->change[r];
-            block[r][c] = (r == c ? g : 0) + 2 * slope * sum * end;
-        }
 }
 
 /* --- pattern ----------------------------------------------------------------------------------
@@ -256,20 +243,17 @@ static void assemble_pair(const dl_model *model, const dl_pair *pair, void *cont
     add_block(model, job->values, pair->j, pair->i, -1, block);
 }
 
-static dl_status assemble(dl_model *model, const double *q, const double *delta,
-                          dl_block_of *block_of, double *values, dl_error *error) {
-    const dl_sparsity *sparsity;
-    dl_status status = dl_model_sparsity(model, q, delta, &sparsity, error);
-    if (status != DL_OK)
-        return status;
-    model->counts.jacobian++;
+/* Into the pattern that dl_model_sparsity has just given. */
+static dl_status assemble(dl_model *model, const dl_mean_walk *walk, double *values,
+                          dl_error *error) {
+    const dl_sparsity *const sparsity = &model->priv->sparsity;
+    dl_model_book(model)->jacobian++;
     memset(values, 0, sparsity->nonzeros * sizeof *values);
-    assembly job = {values, block_of};
-    const double *x = dl_model_places(model, q);
-    const double *shifts = delta ? dl_model_shifts(model, delta) : NULL;
-    status = dl_model_visit_pairs(model, x, shifts, assemble_pair, &job, error);
+    assembly job = {values, walk->block_of};
+    const dl_status status =
+        dl_model_visit_pairs(model, walk->x, walk->delta, assemble_pair, &job, error);
     if (status == DL_OK && model->locks)
-        dl_model_visit_locks(model, x, shifts, assemble_pair, &job);
+        dl_model_visit_locks(model, walk->x, walk->delta, assemble_pair, &job);
     for (size_t k = 0; model->held && k < sparsity->nonzeros; k++)
         if (model->held[sparsity->row[k]])
             values[k] = 0;
@@ -277,12 +261,20 @@ static dl_status assemble(dl_model *model, const double *q, const double *delta,
 }
 
 dl_status dl_model_jacobian(dl_model *model, const double *q, double *values, dl_error *error) {
-    return assemble(model, q, NULL, block_of_force, values, error);
+    const dl_sparsity *sparsity;
+    dl_status status = dl_model_sparsity(model, q, NULL, &sparsity, error);
+    const dl_mean_walk walk = {dl_block_of_force, dl_model_places(model, q), NULL};
+    return status ? status : assemble(model, &walk, values, error);
 }
 
 dl_status dl_model_discrete_jacobian(dl_model *model, const double *q, const double *delta,
                                      double *values, dl_error *error) {
-    return assemble(model, q, delta, block_of_discrete, values, error);
+    const dl_sparsity *sparsity;
+    dl_status status = dl_model_sparsity(model, q, delta, &sparsity, error);
+    if (status)
+        return status;
+    const dl_mean_walk walk = dl_model_mean_walk(model, q, delta);
+    return assemble(model, &walk, values, error);
 }
 
 /* --- product ----------------------------------------------------------------------------------*/
@@ -297,7 +289,7 @@ static void multiply_pair(const dl_model *model, const dl_pair *pair, void *cont
     size_t n = model->moving;
     double block[3][3], change[3];
     bool partner_moves = pair->j < n;
-    block_of_force(model, pair, block);
+    dl_block_of_force(model, pair, block);
     for (size_t c = 0; c < (size_t)model->dimension; c++)
         change[c] = job->u[c * n + pair->i] - (partner_moves ? job->u[c * n + pair->j] : 0);
     for (size_t r = 0; r < (size_t)model->dimension; r++) {
@@ -312,7 +304,7 @@ static void multiply_pair(const dl_model *model, const dl_pair *pair, void *cont
 
 dl_status dl_model_jacobian_vector(dl_model *model, const double *q, const double *u, double *out,
                                    dl_error *error) {
-    model->counts.jacobian_vector++;
+    dl_model_book(model)->jacobian_vector++;
     memset(out, 0, model->unknowns * sizeof *out);
     product job = {u, out};
     const double *x = dl_model_places(model, q);

@@ -3,10 +3,6 @@
 #include <string.h>
 #include "model/private.h"
 
-static dl_status accelerate(dl_model *model, const double *q, double *a, dl_error *error);
-static dl_status accelerate_discrete(dl_model *model, const double *q, const double *delta,
-                                     double *a, dl_error *error);
-
 static bool all_one(const double *values, const size_t *order, size_t count) {
     for (size_t k = 0; k < count; k++)
         if (values[order[k]] != 1)
@@ -42,7 +38,8 @@ static dl_status fill_laws(dl_model *model, dl_error *error) {
     dl_pair_problem *problem = &priv->problem;
     for (size_t k = 0; k < species * species; k++) {
         dl_law *law = &priv->law[k];
-        dl_law_prepare(&source[k], law);
+        const dl_pair_law own = priv->whole ? dl_pair_law_part(&source[k], priv->which) : source[k];
+        dl_law_prepare(&own, law);
         if (law->pieces > 0)
             problem->reach = fmax(problem->reach, law->until[law->pieces - 1]);
         for (int piece = 0; piece < law->pieces; piece++)
@@ -88,6 +85,7 @@ static dl_status fill_gravity(dl_model *model, dl_error *error) {
     for (size_t k = 0; k < model->moving; k++)
         feel += scene->feels_gravity[model->priv->order[k]];
     bool any = scene->gravity[0] != 0 || scene->gravity[1] != 0 || scene->gravity[2] != 0;
+    any &= !model->priv->whole || model->priv->which == DL_PART_SLOW;
     model->has_gravity = any && feel > 0;
     if (!model->has_gravity || feel == model->moving)
         return DL_OK;
@@ -143,7 +141,8 @@ static dl_status fill_kernel(dl_model *model, dl_error *error) {
     return dl_kernel_create(problem, model->scene->kernel, &model->kernel, error);
 }
 
-dl_status dl_model_create(const dl_scene *scene, dl_model **model, dl_error *error) {
+dl_status dl_model_create_part(const dl_scene *scene, dl_model *whole, dl_part which,
+                               dl_model **model, dl_error *error) {
     *model = NULL;
     dl_model *made = calloc(1, sizeof *made);
     if (!made)
@@ -155,11 +154,14 @@ dl_status dl_model_create(const dl_scene *scene, dl_model **model, dl_error *err
     made->locates_hits = scene->walls.present && scene->walls.rule == DL_LOCATED;
     made->has_periods = scene->periods.present;
     made->has_radiation = scene->radiation.present;
-    made->acceleration = accelerate;
-    made->discrete_acceleration = accelerate_discrete;
+    made->acceleration = dl_model_accelerate;
+    made->discrete_acceleration = dl_model_accelerate_quotient;
+    made->part_acceleration = dl_model_accelerate_part;
     made->priv = calloc(1, sizeof *made->priv);
     dl_status status = made->priv ? DL_OK : dl_fail_memory(error, "a model");
     if (status == DL_OK) {
+        made->priv->whole = whole;
+        made->priv->which = which;
         made->priv->order = malloc(scene->particles * sizeof(size_t));
         if (!made->priv->order)
             status = dl_fail_memory(error, "a model");
@@ -180,12 +182,17 @@ dl_status dl_model_create(const dl_scene *scene, dl_model **model, dl_error *err
     return DL_OK;
 }
 
+dl_status dl_model_create(const dl_scene *scene, dl_model **model, dl_error *error) {
+    return dl_model_create_part(scene, NULL, DL_PART_FAST, model, error);
+}
+
 void dl_model_free(dl_model *model) {
     if (!model)
         return;
     dl_kernel_destroy(model->kernel);
     struct dl_model_private *priv = model->priv;
     if (priv) {
+        dl_model_free_parts(model);
         free(priv->order);
         free(priv->law);
         free(priv->species_of);
@@ -200,6 +207,9 @@ void dl_model_free(dl_model *model) {
         free(priv->jump_force);
         free(priv->column_start);
         free(priv->row);
+        free(priv->middle);
+        dl_product_free(priv->product);
+        dl_jump_pairs_free(priv->crossings);
     }
     free(priv);
     free(model);
@@ -266,8 +276,8 @@ static dl_status fail_not_finite(const dl_model *model, const double *q, const d
                    model->priv->order[k < model->moving ? k : 0]);
 }
 
-static dl_status finish(dl_model *model, const double *q, const double *f, double *a,
-                        dl_error *error) {
+dl_status dl_model_finish(dl_model *model, const double *q, const double *f, double *a,
+                          dl_error *error) {
     const struct dl_model_private *priv = model->priv;
     /* a_i = f_i / inertia_i + g */
     bool finite = true;
@@ -300,30 +310,45 @@ static void hold(const dl_model *model, double *a) {
             a[u] = 0;
 }
 
-static dl_status accelerate(dl_model *model, const double *q, double *a, dl_error *error) {
+dl_status dl_model_accelerate(dl_model *model, const double *q, double *a, dl_error *error) {
     if (!model->kernel)
         return gravity_alone(model, a, error);
     double *f = model->has_pins ? model->priv->pair_force : a;
     dl_status status =
         model->kernel->ops->force(model->kernel, dl_model_places(model, q), f, error);
-    return status == DL_OK ? finish(model, q, f, a, error) : status;
+    if (status == DL_OK)
+        status = dl_model_finish(model, q, f, a, error);
+    if (status == DL_OK && model->locks)
+        dl_locks_add_acceleration(model, q, a);
+    return status;
 }
 
-static dl_status accelerate_discrete(dl_model *model, const double *q, const double *delta,
-                                     double *a, dl_error *error) {
+dl_status dl_model_accelerate_quotient(dl_model *model, const double *q, const double *delta,
+                                       double *a, dl_error *error) {
     if (!model->kernel)
         return gravity_alone(model, a, error);
     double *f = model->has_pins ? model->priv->pair_force : a;
     dl_status status = model->kernel->ops->discrete(model->kernel, dl_model_places(model, q),
                                                     dl_model_shifts(model, delta), f, error);
-    return status == DL_OK ? finish(model, q, f, a, error) : status;
+    if (status == DL_OK)
+        status = dl_model_finish(model, q, f, a, error);
+    if (status == DL_OK && model->locks)
+        dl_locks_add_discrete(model, q, delta, a);
+    return status;
 }
 
 dl_status dl_model_acceleration(dl_model *model, const double *q, double *a, dl_error *error) {
     model->counts.force++;
     const dl_status status = model->acceleration(model, q, a, error);
-    if (model->locks && status == DL_OK)
-        dl_locks_add_acceleration(model, q, a);
+    if (model->held)
+        hold(model, a);
+    return status;
+}
+
+dl_status dl_model_part_acceleration(dl_model *model, dl_part part, const double *q, double *a,
+                                     dl_error *error) {
+    model->counts.force++;
+    const dl_status status = model->part_acceleration(model, part, q, a, error);
     if (model->held)
         hold(model, a);
     return status;
@@ -336,15 +361,16 @@ dl_status dl_model_rhs(dl_model *model, const double *y, double *ydot, dl_error 
 
 dl_status dl_model_discrete_acceleration(dl_model *model, const double *q, const double *delta,
                                          double *a, dl_error *error) {
-    model->counts.force++;
+    model->counts.force += model->mean == DL_MEAN_GONZALEZ ? 2 : 1;
     const dl_status status = model->discrete_acceleration(model, q, delta, a, error);
-    if (model->locks && status == DL_OK)
-        dl_locks_add_discrete(model, q, delta, a);
     if (model->held)
         hold(model, a);
     return status;
 }
 
 unsigned long dl_model_list_builds(const dl_model *model) {
-    return model->kernel ? model->kernel->list_builds : 0;
+    unsigned long builds = model->kernel ? model->kernel->list_builds : 0;
+    for (int which = DL_PART_FAST; which <= DL_PART_SLOW; which++)
+        builds += model->priv->part[which] ? dl_model_list_builds(model->priv->part[which]) : 0;
+    return builds;
 }

@@ -129,6 +129,21 @@ double dl_model_inertia(const dl_model *model) {
     return sum;
 }
 
+void dl_model_rest_centre(const dl_model *model, double *a) {
+    const size_t n = model->moving;
+    const double *const inertia = model->priv->inertia;
+    for (size_t c = 0; c < (size_t)model->dimension && n > 0; c++) {
+        long double sum = 0, mass = 0;
+        for (size_t k = 0; k < n; k++) {
+            sum += (long double)inertia[k] * a[c * n + k];
+            mass += inertia[k];
+        }
+        const double centre = (double)(sum / mass);
+        for (size_t k = 0; k < n; k++)
+            a[c * n + k] -= centre;
+    }
+}
+
 double dl_model_work(const dl_model *model, const double *a, const double *b) {
     long double sum = 0;
     for (size_t c = 0; c < (size_t)model->dimension; c++)

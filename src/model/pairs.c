@@ -15,6 +15,16 @@ static inline void complete(dl_pair *pair, int dimension, bool with_delta) {
     }
 }
 
+dl_pair dl_pair_middle(const dl_model *model, const dl_pair *pair) {
+    dl_pair middle = *pair;
+    for (int c = 0; c < model->dimension; c++) {
+        middle.d[c] += pair->change[c] / 2;
+        middle.change[c] = 0;
+    }
+    complete(&middle, model->dimension, false);
+    return middle;
+}
+
 static inline dl_pair pair_of(const dl_model *model, size_t i, size_t j) {
     const dl_pair_problem *p = &model->priv->problem;
     dl_pair pair = {.i = i, .j = j, .law = &p->law[dl_pair_law_index(p, i, j)]};
@@ -65,6 +75,11 @@ dl_status dl_model_visit_pairs(dl_model *model, const double *x, const double *d
         }
     }
     return DL_OK;
+}
+
+void dl_model_visit_pair(const dl_model *model, const double *x, const double *delta, size_t i,
+                         size_t j, dl_pair_visitor *visit, void *context) {
+    visit_pair(model, x, delta, model->priv->problem.box, i, j, visit, context);
 }
 
 /* --- locked pairs ------------------------------------------------------------------------------*/

@@ -24,9 +24,13 @@ static dl_status read_terms(const dl_yaml *yaml, const dl_yaml_node *piece_node,
         return dl_yaml_fail(yaml, list, "terms", expected, error);
     }
     dl_status status = DL_OK;
-    for (size_t i = 0; i < dl_yaml_length(list) && !status; i++)
-        status = dl_scene_read_section(yaml, dl_yaml_item(list, i), &dl_section_term,
-                                       &piece->term[piece->terms++], error);
+    for (size_t i = 0; i < dl_yaml_length(list) && !status; i++) {
+        dl_scene_term_values values = {.part = DL_PART_FAST};
+        status =
+            dl_scene_read_section(yaml, dl_yaml_item(list, i), &dl_section_term, &values, error);
+        piece->term[piece->terms] = values.term;
+        piece->part[piece->terms++] = (dl_part)values.part;
+    }
     return status;
 }
 

@@ -22,6 +22,12 @@ static const char *const piece_end_words[] = {
     NULL,
 };
 
+static const char *const part_words[] = {
+    [DL_PART_FAST] = "fast",
+    [DL_PART_SLOW] = "slow",
+    NULL,
+};
+
 static const char *const wall_rule_words[] = {
     [DL_MIRROR] = "mirror",
     [DL_LOCATED] = "located",
@@ -269,19 +275,26 @@ const dl_scene_section dl_section_piece = {
 static const dl_parameter term_rows[] = {
     {.name = "coefficient",
      .kind = DL_REAL,
-     .offset = offsetof(dl_term, coefficient),
+     .offset = offsetof(dl_scene_term_values, term.coefficient),
      .unit = "force length^power / mass^2",
      .minimum = -INFINITY,
      .maximum = INFINITY,
      .doc = "positive repels, negative attracts"},
     {.name = "power",
      .kind = DL_REAL,
-     .offset = offsetof(dl_term, power),
+     .offset = offsetof(dl_scene_term_values, term.power),
      .unit = "",
      .minimum = 0,
      .maximum = 64,
      .above_minimum = true,
      .doc = "any real one, of 1/r"},
+    {.name = "part",
+     .kind = DL_WORD,
+     .offset = offsetof(dl_scene_term_values, part),
+     .unit = "",
+     .words = part_words,
+     .fallback = "fast",
+     .doc = "for methods that split the force (driftlab list methods); gravity is slow"},
 };
 
 const dl_scene_section dl_section_term = {

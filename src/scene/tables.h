@@ -33,6 +33,11 @@ typedef struct dl_scene_piece_values {
     bool located;
 } dl_scene_piece_values;
 
+typedef struct dl_scene_term_values {
+    dl_term term;
+    int part;
+} dl_scene_term_values;
+
 /* Of one particle or of a whole file of them. */
 typedef struct dl_scene_attributes {
     double mass;
