@@ -30,7 +30,7 @@
 #define DL_OPTION_RTOL(type)                                                                       \
     {                                                                                              \
         .name = "rtol", .kind = DL_REAL, .offset = offsetof(type, rtol), .unit = "", .minimum = 0, \
-        .maximum = 0.1, .fallback = "1e-6",                                                        \
+        .maximum = 0.1, .fallback = "1e-6", .when = "step=0",                                      \
         .doc = "error allowed in a step: rtol |y| + atol, for every position and velocity"         \
     }
 
@@ -38,12 +38,29 @@
     {                                                                                              \
         .name = "atol", .kind = DL_REAL, .offset = offsetof(type, atol),                           \
         .unit = "length and length/time", .minimum = 0, .maximum = INFINITY,                       \
-        .above_minimum = true, .fallback = "1e-10",                                                \
+        .above_minimum = true, .fallback = "1e-10", .when = "step=0",                              \
         .doc = "absolute part of the error allowed in a step (see rtol)"                           \
     }
 
-/* DL_INPUT where the method was given a fixed step and also another rtol or atol than the default:
- * they would be ignored. */
-dl_status dl_method_refuse_unused_tolerances(const dl_method *method, double step, dl_error *error);
+/* Of implicit methods that solve their equations to a part of the error allowed, whatever the step.
+ */
+#define DL_OPTIONS_TOLERANCES_OF_STAGES(type)                                                      \
+    {                                                                                              \
+        .name = "rtol",                                                                            \
+        .kind = DL_REAL,                                                                           \
+        .offset = offsetof(type, rtol),                                                            \
+        .unit = "",                                                                                \
+        .minimum = 0,                                                                              \
+        .maximum = 0.1,                                                                            \
+        .fallback = "1e-6",                                                                        \
+        .doc = "error allowed in a step: rtol |y| + atol, for every position and velocity; its "   \
+               "equations are solved to a part of it, with a fixed step too",                      \
+    },                                                                                             \
+    {                                                                                              \
+        .name = "atol", .kind = DL_REAL, .offset = offsetof(type, atol),                           \
+        .unit = "length and length/time", .minimum = 0, .maximum = INFINITY,                       \
+        .above_minimum = true, .fallback = "1e-10",                                                \
+        .doc = "absolute part of the error allowed in a step (see rtol)"                           \
+    }
 
 #endif
