@@ -1,82 +1,46 @@
-/* ARKODE's explicit Runge-Kutta methods (SUNDIALS ERKStep), at a fixed or an adaptive step.
- *
- * Two habits of ARKODE are worked around (seen in 6.4.1). A step that ends at the stop time is
- * returned interpolated: with the linear interpolant that is the step's own value. And a table
- * whose last stage lies at the end of the step is taken for first-same-as-last even where it is
- * not, which costs it its order: a step postprocessor, even an empty one, makes ARKODE evaluate the
- * right-hand side anew. */
+#include "methods/arkode.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <arkode/arkode_erkstep.h>
-
-#include "methods/options.h"
-#include "methods/registry.h"
-#include "methods/sundials.h"
-
-static const char *const table_words[] = {
-    "heun-euler-2",     "bogacki-shampine-3", "zonneveld-4", "cash-karp-5", "fehlberg-5",
-    "dormand-prince-5", "verner-6",           "fehlberg-8",  NULL,
-};
-
-static const ARKODE_ERKTableID table_ids[] = {
-    ARKODE_HEUN_EULER_2_1_2, ARKODE_BOGACKI_SHAMPINE_4_2_3, ARKODE_ZONNEVELD_5_3_4,
-    ARKODE_CASH_KARP_6_4_5,  ARKODE_FEHLBERG_6_4_5,         ARKODE_DORMAND_PRINCE_7_4_5,
-    ARKODE_VERNER_8_5_6,     ARKODE_FEHLBERG_13_7_8,
-};
-
-typedef struct erk_options {
-    double step, rtol, atol;
-    int table;
-} erk_options;
-
-static const dl_parameter options[] = {
-    DL_OPTION_STEP_OR_ADAPTIVE(erk_options),
-    DL_OPTION_RTOL(erk_options),
-    DL_OPTION_ATOL(erk_options),
-    {
-        .name = "table",
-        .kind = DL_WORD,
-        .offset = offsetof(erk_options, table),
-        .unit = "",
-        .words = table_words,
-        .fallback = "dormand-prince-5",
-        .doc = "Runge-Kutta coefficients; the number is the order",
-    },
-};
 
 static const dl_sundials_meaning meanings[] = {
-    {ARK_TOO_MUCH_ACC, DL_STEP_FAILURE, false}, {ARK_ERR_FAILURE, DL_STEP_FAILURE, false},
-    {ARK_TOO_CLOSE, DL_STEP_FAILURE, false},    {ARK_CONV_FAILURE, DL_STEP_FAILURE, true},
-    {ARK_RHSFUNC_FAIL, DL_ERROR, true},         {ARK_FIRST_RHSFUNC_ERR, DL_ERROR, true},
-    {ARK_REPTD_RHSFUNC_ERR, DL_ERROR, true},    {ARK_UNREC_RHSFUNC_ERR, DL_ERROR, true},
-    {ARK_MEM_FAIL, DL_MEMORY, false},           {0, DL_ERROR, false},
+    {ARK_TOO_MUCH_ACC, DL_STEP_FAILURE, false},
+    {ARK_ERR_FAILURE, DL_STEP_FAILURE, false},
+    {ARK_TOO_CLOSE, DL_STEP_FAILURE, false},
+    {ARK_CONV_FAILURE, DL_NONLINEAR_FAILURE, true},
+    {ARK_LINIT_FAIL, DL_NONLINEAR_FAILURE, true},
+    {ARK_LSETUP_FAIL, DL_NONLINEAR_FAILURE, true},
+    {ARK_LSOLVE_FAIL, DL_NONLINEAR_FAILURE, true},
+    {ARK_NLS_SETUP_FAIL, DL_NONLINEAR_FAILURE, true},
+    {ARK_NLS_OP_ERR, DL_NONLINEAR_FAILURE, true},
+    {ARK_RHSFUNC_FAIL, DL_ERROR, true},
+    {ARK_FIRST_RHSFUNC_ERR, DL_ERROR, true},
+    {ARK_REPTD_RHSFUNC_ERR, DL_ERROR, true},
+    {ARK_UNREC_RHSFUNC_ERR, DL_ERROR, true},
+    {ARK_INNERSTEP_FAIL, DL_STEP_FAILURE, true},
+    {ARK_MEM_FAIL, DL_MEMORY, false},
+    {0, DL_ERROR, false},
 };
 
 /* Shorter steps tried where a stage has no finite acceleration: ARKODE itself gives up at once. */
 enum { most_retries = 20 };
 
-typedef struct erk {
-    dl_sundials sundials; /* first: it is what the right-hand side gets */
-    void *memory;
-    double *work;      /* [2 unknowns]: where ARKODE writes, also when it fails */
-    N_Vector y, state; /* over work and over method->y */
-    bool stale;        /* ARKODE's state is not method->y */
-    double fixed_step; /* that ARKODE has been told */
-} erk;
+dl_status dl_arkode_fail(const dl_arkode *data, int flag, const char *function, dl_error *error) {
+    return dl_sundials_fail(&data->implicit.sundials, meanings, flag, function, error);
+}
+
+/* --- tables ------------------------------------------------------------------------------------
+ */
 
 static int leave_alone(sunrealtype t, N_Vector y, void *user_data) {
-    (void)t;
-    (void)y;
-    (void)user_data;
+    (void)t, (void)y, (void)user_data;
     return 0;
 }
 
-/* Whether ARKODE would take the last stage for the next step's first although it is not. */
-static bool last_stage_misleads(void *memory) {
-    ARKodeButcherTable table = NULL;
-    if (ERKStepGetCurrentButcherTable(memory, &table) != ARK_SUCCESS || !table)
-        return true;
+static bool last_stage_misleads(ARKodeButcherTable table) {
+    if (!table)
+        return false;
     const int last = table->stages - 1;
     double difference = 0;
     for (int j = 0; j <= last; j++)
@@ -84,89 +48,170 @@ static bool last_stage_misleads(void *memory) {
     return difference > 1e-12 && fabs(table->c[last] - 1) < 1e-12;
 }
 
-static int set_up(erk *data, const erk_options *chosen) {
-    void *const memory = data->memory;
-    int flag = dl_sundials_listen_erk(&data->sundials, memory);
+int dl_arkode_mend_last_stage(dl_arkode *data, ARKodeButcherTable explicit_part,
+                              ARKodeButcherTable implicit_part) {
+    return last_stage_misleads(explicit_part) || last_stage_misleads(implicit_part)
+               ? data->calls->set_after_step(data->memory, leave_alone)
+               : ARK_SUCCESS;
+}
+
+dl_status dl_arkode_check_estimate(const dl_method *method, ARKodeButcherTable table,
+                                   dl_error *error) {
+    if (method->step > 0 || table->p > 0)
+        return DL_OK;
+    return dl_fail(error, DL_INPUT,
+                   "method %s: found step=0 with a table that has no error estimate to choose the "
+                   "step by, expected a step",
+                   method->row->name);
+}
+
+/* --- parts of the force ------------------------------------------------------------------------
+ */
+
+static int rhs_of_part(dl_part part, N_Vector y, N_Vector ydot, dl_sundials *sundials) {
+    const double *const state = N_VGetArrayPointer(y);
+    double *const rate = N_VGetArrayPointer(ydot);
+    const size_t n = sundials->model->unknowns;
+    dl_error error;
+    if (part == DL_PART_FAST)
+        memcpy(rate, state + n, n * sizeof *rate);
+    else
+        memset(rate, 0, n * sizeof *rate);
+    const dl_status status =
+        dl_model_part_acceleration(sundials->model, part, state, rate + n, &error);
+    return dl_sundials_answer(sundials, status, &error);
+}
+
+int dl_arkode_rhs_fast(sunrealtype t, N_Vector y, N_Vector ydot, void *user_data) {
+    (void)t;
+    return rhs_of_part(DL_PART_FAST, y, ydot, user_data);
+}
+
+int dl_arkode_rhs_slow(sunrealtype t, N_Vector y, N_Vector ydot, void *user_data) {
+    (void)t;
+    return rhs_of_part(DL_PART_SLOW, y, ydot, user_data);
+}
+
+static dl_status split(const dl_method *method, dl_error *error) {
+    dl_error reason = {""};
+    const dl_status status = dl_model_split(method->model, &reason);
+    return status ? dl_fail(error, status, "method %s splits the force: %.900s", method->row->name,
+                            reason.message)
+                  : DL_OK;
+}
+
+/* --- life --------------------------------------------------------------------------------------
+ */
+
+/* What every kind is told. */
+static int set_up_stepper(dl_arkode *data, const dl_arkode_options *chosen) {
+    const dl_arkode_calls *const calls = data->calls;
+    int flag = dl_sundials_listen_arkode(&data->implicit.sundials, calls, data->memory);
     if (!flag)
-        flag = ERKStepSetUserData(memory, data);
+        flag = calls->set_user_data(data->memory, data);
+    if (!flag && chosen->atol > 0)
+        flag = calls->set_tolerances(data->memory, chosen->rtol, chosen->atol);
     if (!flag)
-        flag = ERKStepSStolerances(memory, chosen->rtol, chosen->atol);
-    if (!flag)
-        flag = ERKStepSetTableNum(memory, table_ids[chosen->table]);
-    if (!flag)
-        flag = ERKStepSetInterpolantDegree(memory, 1);
-    if (!flag && chosen->step > 0)
-        flag = ERKStepSetFixedStep(memory, data->fixed_step = chosen->step);
-    if (!flag && last_stage_misleads(memory))
-        flag = ERKStepSetPostprocessStepFn(memory, leave_alone);
+        flag = calls->set_interpolant_degree(data->memory, 1);
     return flag;
 }
 
-static dl_status erk_create(dl_method *method, dl_error *error) {
-    const erk_options *const chosen = method->options;
+static dl_status arkode_create(dl_method *method, dl_error *error) {
+    const dl_arkode_kind *const kind = method->row->variant;
+    const dl_arkode_options *const chosen = method->options;
     method->step = chosen->step;
-    dl_status status = dl_method_refuse_unused_tolerances(method, chosen->step, error);
-    if (status)
-        return status;
-    erk *const data = method->data = calloc(1, sizeof *data);
+    dl_arkode *const data = method->data = calloc(1, sizeof *data);
     if (!data)
         return dl_fail_memory(error, "ARKODE");
-    status = dl_sundials_create(&data->sundials, method->model, error);
+    data->calls = kind->calls;
+    dl_sundials *const sundials = &data->implicit.sundials;
+    dl_status status = kind->splits ? split(method, error) : DL_OK;
+    if (!status)
+        status = dl_sundials_create(sundials, method->model, error);
     if (status)
         return status;
     const size_t length = 2 * method->n;
     data->work = malloc(length * sizeof *data->work);
-    data->y = dl_sundials_vector(&data->sundials, data->work, length);
-    data->state = dl_sundials_vector(&data->sundials, method->y, length);
+    data->y = dl_sundials_vector(sundials, data->work, length);
+    data->state = dl_sundials_vector(sundials, method->y, length);
     if (data->work && data->y && data->state)
-        data->memory = ERKStepCreate(dl_sundials_rhs, 0, data->state, data->sundials.context);
+        data->memory = kind->create(method);
     if (!data->memory)
         return dl_fail_memory(error, "ARKODE");
-    const int flag = set_up(data, chosen);
-    return flag ? dl_sundials_fail(&data->sundials, meanings, flag, "ERKStep", error) : DL_OK;
+    const int flag = set_up_stepper(data, chosen);
+    return flag ? dl_arkode_fail(data, flag, "ARKODE", error) : kind->set_up(method, error);
 }
 
-/* One call of ARKODE from method->t, method->y. */
-static int attempt(const dl_method *method, double t_stop, double *t) {
-    erk *const data = method->data;
+static void arkode_destroy(dl_method *method) {
+    const dl_arkode_kind *const kind = method->row->variant;
+    dl_arkode *const data = method->data;
+    if (!data)
+        return;
+    if (data->memory)
+        data->calls->free(&data->memory);
+    if (kind->destroy)
+        kind->destroy(data);
+    dl_implicit_free(&data->implicit);
+    N_VDestroy(data->y);
+    N_VDestroy(data->state);
+    dl_sundials_destroy(&data->implicit.sundials);
+    free(data->work);
+    free(data);
+}
+
+/* --- steps -------------------------------------------------------------------------------------
+ */
+
+int dl_arkode_evolve(const dl_method *method, double t_stop, double *t) {
+    const dl_arkode_kind *const kind = method->row->variant;
+    dl_arkode *const data = method->data;
+    const dl_arkode_calls *const calls = data->calls;
+    const double step = method->step;
     int flag = ARK_SUCCESS;
     if (data->stale)
-        flag = ERKStepReset(data->memory, method->t, data->state);
-    if (flag == ARK_SUCCESS && method->step != data->fixed_step)
-        flag = ERKStepSetFixedStep(data->memory, data->fixed_step = method->step);
-    if (flag == ARK_SUCCESS && !(method->step > 0))
-        flag = ERKStepSetStopTime(data->memory, t_stop);
+        flag = calls->reset(data->memory, method->t, data->state);
+    if (!flag && step != data->fixed_step) {
+        data->fixed_step = step;
+        flag = calls->set_fixed_step(data->memory, step);
+        if (!flag && kind->change_step)
+            flag = kind->change_step(method);
+    }
+    if (!flag && !(step > 0))
+        flag = calls->set_stop_time(data->memory, t_stop);
     data->stale = false;
-    if (flag == ARK_SUCCESS)
-        flag = ERKStepEvolve(data->memory, method->step > 0 ? method->t + method->step : t_stop,
-                             data->y, t, ARK_ONE_STEP);
+    if (!flag)
+        flag = calls->evolve(data->memory, step > 0 ? method->t + step : t_stop, data->y, t,
+                             ARK_ONE_STEP);
     return flag;
 }
 
 /* Goes back to method->y with a quarter of the step that failed; false where there is none. */
 static bool shorten(const dl_method *method) {
-    erk *const data = method->data;
+    dl_arkode *const data = method->data;
     double step = 0;
-    if (method->step > 0 || data->sundials.model_status != DL_UNSTABLE ||
-        ERKStepGetCurrentStep(data->memory, &step) != ARK_SUCCESS || !(step > 0) ||
+    if (method->step > 0 || data->implicit.sundials.model_status != DL_UNSTABLE ||
+        data->calls->current_step(data->memory, &step) != ARK_SUCCESS || !(step > 0) ||
         method->t + step / 4 <= method->t)
         return false;
-    return ERKStepReset(data->memory, method->t, data->state) == ARK_SUCCESS &&
-           ERKStepSetInitStep(data->memory, step / 4) == ARK_SUCCESS;
+    return data->calls->reset(data->memory, method->t, data->state) == ARK_SUCCESS &&
+           data->calls->set_first_step(data->memory, step / 4) == ARK_SUCCESS;
 }
 
-static dl_status erk_advance(dl_method *method, double t_stop, dl_error *error) {
-    erk *const data = method->data;
+static dl_status arkode_advance(dl_method *method, double t_stop, dl_error *error) {
+    const dl_arkode_kind *const kind = method->row->variant;
+    dl_arkode *const data = method->data;
     double t = method->t;
-    dl_sundials_begin(&data->sundials);
-    int flag = attempt(method, t_stop, &t);
+    dl_sundials_begin(&data->implicit.sundials);
+    int flag = dl_arkode_evolve(method, t_stop, &t);
     for (int retry = 0; flag < 0 && retry < most_retries && shorten(method); retry++) {
-        dl_sundials_begin(&data->sundials);
-        flag = attempt(method, t_stop, &t);
+        dl_sundials_begin(&data->implicit.sundials);
+        flag = dl_arkode_evolve(method, t_stop, &t);
     }
+    if (flag >= 0 && kind->land)
+        flag = kind->land(method, t_stop, &t);
     if (flag < 0) {
         data->stale = true;
-        return dl_sundials_fail(&data->sundials, meanings, flag, "ERKStepEvolve", error);
+        return dl_arkode_fail(data, flag, "ARKODE", error);
     }
     memcpy(method->y, data->work, 2 * method->n * sizeof *method->y);
     method->t = t;
@@ -175,49 +220,27 @@ static dl_status erk_advance(dl_method *method, double t_stop, dl_error *error) 
     return DL_OK;
 }
 
-static dl_status erk_jumped(dl_method *method, dl_error *error) {
+static dl_status arkode_jumped(dl_method *method, dl_error *error) {
     (void)error;
-    ((erk *)method->data)->stale = true;
+    ((dl_arkode *)method->data)->stale = true;
     return DL_OK;
 }
 
-static void erk_stats(const dl_method *method, dl_method_stats *stats) {
-    const erk *const data = method->data;
+static void arkode_stats(const dl_method *method, dl_method_stats *stats) {
+    const dl_arkode *const data = method->data;
     long steps = 0, attempts = 0;
-    ERKStepGetNumSteps(data->memory, &steps);
-    ERKStepGetNumStepAttempts(data->memory, &attempts);
-    stats->steps = (unsigned long)steps;
-    stats->rejected = (unsigned long)(attempts - steps);
+    data->calls->steps(data->memory, &steps);
+    stats->steps = (unsigned long)steps - data->discarded;
+    if (data->calls->attempts && !data->calls->attempts(data->memory, &attempts))
+        stats->rejected = (unsigned long)(attempts - steps) + data->discarded;
+    if (data->implicit.calls)
+        dl_implicit_add_stats(&data->implicit, data->memory, stats);
 }
 
-static void erk_destroy(dl_method *method) {
-    erk *const data = method->data;
-    if (!data)
-        return;
-    if (data->memory)
-        ERKStepFree(&data->memory);
-    N_VDestroy(data->y);
-    N_VDestroy(data->state);
-    dl_sundials_destroy(&data->sundials);
-    free(data->work);
-    free(data);
-}
-
-static const dl_method_ops ops = {
-    .create = erk_create,
-    .advance = erk_advance,
-    .jumped = erk_jumped,
-    .stats = erk_stats,
-    .destroy = erk_destroy,
-};
-
-const dl_method_row dl_method_arkode_erk = {
-    .name = "arkode-erk",
-    .family = "ARKODE",
-    .doc = "explicit Runge-Kutta by a chosen table, fixed or adaptive step (SUNDIALS ARKODE)",
-    .order = 0,
-    .flags = DL_ADAPTIVE | DL_FIXED_STEP,
-    .options = DL_OPTIONS_TABLE(options),
-    .options_size = sizeof(erk_options),
-    .ops = &ops,
+const dl_method_ops dl_arkode_ops = {
+    .create = arkode_create,
+    .advance = arkode_advance,
+    .jumped = arkode_jumped,
+    .stats = arkode_stats,
+    .destroy = arkode_destroy,
 };

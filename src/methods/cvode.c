@@ -1,47 +1,46 @@
 /* CVODE's variable-order, variable-step multistep methods (SUNDIALS): Adams-Moulton of orders 1-12
- * and BDF of orders 1-5. The rows differ in how the implicit step is solved:
- *
- *     fixed point    functional iteration, Anderson-accelerated on request
- *     klu            Newton; sparse I - gamma J factorised by KLU
- *     krylov         Newton; GMRES with the analytic product J v, not preconditioned
- *
- * with J = [0 I; A 0] and A = d a / d q. */
+ * and BDF of orders 1-5. The rows of either differ in how the implicit step is solved (implicit.h).
+ */
 #include <stdlib.h>
 #include <string.h>
 #include <cvode/cvode.h>
-#include <sunlinsol/sunlinsol_klu.h>
-#include <sunlinsol/sunlinsol_spgmr.h>
-#include <sunmatrix/sunmatrix_sparse.h>
-#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+#include <cvode/cvode_diag.h>
 
-#include "methods/options.h"
+#include "methods/implicit.h"
 #include "methods/registry.h"
-#include "methods/sundials.h"
 
 typedef struct cvode_options {
     double rtol, atol;
-    long max_order, anderson, krylov_dimension;
+    long max_order;
+    dl_implicit_options implicit;
 } cvode_options;
 
 typedef struct cvode {
-    dl_sundials sundials; /* first: it is what the right-hand side gets */
+    dl_implicit implicit; /* first: it is what callbacks get */
     void *memory;
-    double *work;      /* [2 unknowns]: where CVODE writes, also when it fails */
-    N_Vector y, state; /* over work and over method->y */
-    bool stale;        /* CVODE's history does not end at method->y */
-    SUNNonlinearSolver nonlinear;
-    SUNLinearSolver linear;
-    SUNMatrix matrix;
-    unsigned long pattern; /* generation of the sparsity that KLU analysed */
-    double *values;        /* of A, [values_size] */
-    size_t values_size;
+    double *work;           /* [2 unknowns]: where CVODE writes, also when it fails */
+    N_Vector y, state;      /* over work and over method->y */
+    bool stale;             /* CVODE's history does not end at method->y */
     dl_method_stats before; /* of the integrations that a jump or a failure ended */
 } cvode;
 
 typedef struct cvode_variant {
     int family; /* CV_ADAMS or CV_BDF */
-    int (*attach_solver)(cvode *data, const cvode_options *chosen);
+    dl_implicit_solver solver;
 } cvode_variant;
+
+static const dl_implicit_calls calls = {
+    .set_nonlinear_solver = CVodeSetNonlinearSolver,
+    .set_linear_solver = CVodeSetLinearSolver,
+    .set_jacobian = CVodeSetJacFn,
+    .set_jacobian_times = CVodeSetJacTimes,
+    .set_preconditioner = CVodeSetPreconditioner,
+    .use_diagonal = CVDiag,
+    .set_most_iterations = CVodeSetMaxNonlinIters,
+    .nonlinear_iterations = CVodeGetNumNonlinSolvIters,
+    .linear_iterations = CVodeGetNumLinIters,
+    .set_ups = CVodeGetNumLinSolvSetups,
+};
 
 static const dl_sundials_meaning meanings[] = {
     {CV_TOO_MUCH_ACC, DL_STEP_FAILURE, false},
@@ -60,151 +59,19 @@ static const dl_sundials_meaning meanings[] = {
     {0, DL_ERROR, false},
 };
 
-/* --- fixed point -------------------------------------------------------------------------------
- */
-
-static int attach_fixed_point(cvode *data, const cvode_options *chosen) {
-    data->nonlinear =
-        SUNNonlinSol_FixedPoint(data->state, (int)chosen->anderson, data->sundials.context);
-    return data->nonlinear ? CVodeSetNonlinearSolver(data->memory, data->nonlinear) : CV_MEM_FAIL;
-}
-
-/* --- Newton with KLU ---------------------------------------------------------------------------
- */
-
-/* J in compressed columns. The diagonal is stored although it is zero: I - gamma J then has the
- * pattern of J. */
-static size_t jacobian_nonzeros(const dl_sparsity *a) {
-    return a->nonzeros + 3 * a->columns;
-}
-
-static void fill_jacobian(SUNMatrix jacobian, const dl_sparsity *a, const double *values) {
-    sunindextype *const start = SUNSparseMatrix_IndexPointers(jacobian);
-    sunindextype *const row = SUNSparseMatrix_IndexValues(jacobian);
-    sunrealtype *const entry = SUNSparseMatrix_Data(jacobian);
-    const sunindextype n = (sunindextype)a->columns;
-    sunindextype k = 0;
-    for (sunindextype column = 0; column < n; column++) {
-        start[column] = k;
-        row[k] = column;
-        entry[k++] = 0;
-        for (long i = a->column_start[column]; i < a->column_start[column + 1]; i++, k++) {
-            row[k] = n + a->row[i];
-            entry[k] = values[i];
-        }
-    }
-    for (sunindextype column = 0; column < n; column++) {
-        start[n + column] = k;
-        row[k] = column;
-        entry[k++] = 1;
-        row[k] = n + column;
-        entry[k++] = 0;
-    }
-    start[2 * n] = k;
-}
-
-static bool reserve_values(cvode *data, size_t needed) {
-    if (needed <= data->values_size)
-        return true;
-    double *const grown = realloc(data->values, needed * sizeof *grown);
-    if (!grown)
-        return false;
-    data->values = grown;
-    data->values_size = needed;
-    return true;
-}
-
-/* Room for the pattern in the matrix, and a fresh analysis where the pattern is a new one. */
-static int adopt_pattern(cvode *data, SUNMatrix matrix, const dl_sparsity *a) {
-    const sunindextype needed = (sunindextype)jacobian_nonzeros(a);
-    if (needed > SUNSparseMatrix_NNZ(matrix) && SUNSparseMatrix_Reallocate(matrix, needed))
-        return -1;
-    if (a->generation == data->pattern)
-        return 0;
-    data->pattern = a->generation;
-    return SUNLinSol_KLUReInit(data->linear, matrix, needed, SUNKLU_REINIT_PARTIAL);
-}
-
-/* The pattern is adopted last: where A fails, CVODE goes on with the J it has saved. */
-static dl_status update_jacobian(cvode *data, const double *q, SUNMatrix matrix, dl_error *error) {
-    dl_model *const model = data->sundials.model;
-    const dl_sparsity *a = NULL;
-    dl_status status = dl_model_sparsity(model, q, NULL, &a, error);
-    if (!status && !reserve_values(data, a->nonzeros))
-        status = dl_fail_memory(error, "the Jacobian");
-    if (!status)
-        status = dl_model_jacobian(model, q, data->values, error);
-    if (!status && adopt_pattern(data, matrix, a))
-        status = dl_fail_memory(error, "the Jacobian");
-    if (!status)
-        fill_jacobian(matrix, a, data->values);
-    return status;
-}
-
-static int jacobian(sunrealtype t, N_Vector y, N_Vector ydot, SUNMatrix matrix, void *user_data,
-                    N_Vector work1, N_Vector work2, N_Vector work3) {
-    (void)t, (void)ydot, (void)work1, (void)work2, (void)work3;
-    cvode *const data = user_data;
-    dl_error error = {""};
-    const dl_status status = update_jacobian(data, N_VGetArrayPointer(y), matrix, &error);
-    return dl_sundials_answer(&data->sundials, status, &error);
-}
-
-static int attach_klu(cvode *data, const cvode_options *chosen) {
-    (void)chosen;
-    dl_model *const model = data->sundials.model;
-    const dl_sparsity *a = NULL;
-    dl_error error = {""};
-    const dl_status status =
-        dl_model_sparsity(model, N_VGetArrayPointer(data->state), NULL, &a, &error);
-    if (status) {
-        dl_sundials_answer(&data->sundials, status, &error);
-        return CV_LINIT_FAIL;
-    }
-    const sunindextype size = (sunindextype)(2 * a->columns);
-    data->pattern = a->generation;
-    data->matrix = SUNSparseMatrix(size, size, (sunindextype)jacobian_nonzeros(a), CSC_MAT,
-                                   data->sundials.context);
-    if (data->matrix)
-        data->linear = SUNLinSol_KLU(data->state, data->matrix, data->sundials.context);
-    if (!data->linear)
-        return CV_MEM_FAIL;
-    const int flag = CVodeSetLinearSolver(data->memory, data->linear, data->matrix);
-    return flag ? flag : CVodeSetJacFn(data->memory, jacobian);
-}
-
-/* --- Newton with GMRES -------------------------------------------------------------------------
- */
-
-static int jacobian_times(N_Vector u, N_Vector product, sunrealtype t, N_Vector y, N_Vector ydot,
-                          void *user_data, N_Vector work) {
-    (void)t, (void)ydot, (void)work;
-    cvode *const data = user_data;
-    const size_t n = data->sundials.model->unknowns;
-    const double *const in = N_VGetArrayPointer(u);
-    double *const out = N_VGetArrayPointer(product);
-    memcpy(out, in + n, n * sizeof *out);
-    dl_error error = {""};
-    const dl_status status =
-        dl_model_jacobian_vector(data->sundials.model, N_VGetArrayPointer(y), in, out + n, &error);
-    return dl_sundials_answer(&data->sundials, status, &error);
-}
-
-static int attach_krylov(cvode *data, const cvode_options *chosen) {
-    data->linear = SUNLinSol_SPGMR(data->state, SUN_PREC_NONE, (int)chosen->krylov_dimension,
-                                   data->sundials.context);
-    if (!data->linear)
-        return CV_MEM_FAIL;
-    const int flag = CVodeSetLinearSolver(data->memory, data->linear, NULL);
-    return flag ? flag : CVodeSetJacTimes(data->memory, NULL, jacobian_times);
-}
+enum { cvode_memory = CV_MEM_FAIL, cvode_start = CV_LINIT_FAIL };
+enum { arkode_memory = ARK_MEM_FAIL, arkode_start = ARK_LINIT_FAIL };
+_Static_assert((int)cvode_memory == (int)arkode_memory && (int)cvode_start == (int)arkode_start,
+               "flags of dl_implicit_attach");
 
 /* --- the method --------------------------------------------------------------------------------
  */
 
 static int set_up(cvode *data, const cvode_variant *variant, const cvode_options *chosen) {
     void *const memory = data->memory;
-    int flag = dl_sundials_listen_cvode(&data->sundials, memory);
+    dl_implicit_options solver = chosen->implicit;
+    solver.solver = variant->solver;
+    int flag = dl_sundials_listen_cvode(&data->implicit.sundials, memory);
     if (!flag)
         flag = CVodeInit(memory, dl_sundials_rhs, 0, data->state);
     if (!flag)
@@ -213,7 +80,7 @@ static int set_up(cvode *data, const cvode_variant *variant, const cvode_options
         flag = CVodeSStolerances(memory, chosen->rtol, chosen->atol);
     if (!flag)
         flag = CVodeSetMaxOrd(memory, (int)chosen->max_order);
-    return flag ? flag : variant->attach_solver(data, chosen);
+    return flag ? flag : dl_implicit_attach(&data->implicit, &calls, memory, data->state, &solver);
 }
 
 static dl_status cvode_create(dl_method *method, dl_error *error) {
@@ -221,19 +88,20 @@ static dl_status cvode_create(dl_method *method, dl_error *error) {
     cvode *const data = method->data = calloc(1, sizeof *data);
     if (!data)
         return dl_fail_memory(error, "CVODE");
-    const dl_status status = dl_sundials_create(&data->sundials, method->model, error);
+    dl_sundials *const sundials = &data->implicit.sundials;
+    const dl_status status = dl_sundials_create(sundials, method->model, error);
     if (status)
         return status;
     const size_t length = 2 * method->n;
     data->work = malloc(length * sizeof *data->work);
-    data->y = dl_sundials_vector(&data->sundials, data->work, length);
-    data->state = dl_sundials_vector(&data->sundials, method->y, length);
+    data->y = dl_sundials_vector(sundials, data->work, length);
+    data->state = dl_sundials_vector(sundials, method->y, length);
     if (data->work && data->y && data->state)
-        data->memory = CVodeCreate(variant->family, data->sundials.context);
+        data->memory = CVodeCreate(variant->family, sundials->context);
     if (!data->memory)
         return dl_fail_memory(error, "CVODE");
     const int flag = set_up(data, variant, method->options);
-    return flag ? dl_sundials_fail(&data->sundials, meanings, flag, "CVODE", error) : DL_OK;
+    return flag ? dl_sundials_fail(sundials, meanings, flag, "CVODE", error) : DL_OK;
 }
 
 static unsigned long count(int (*get)(void *memory, long *value), void *memory) {
@@ -246,23 +114,20 @@ static void add_stats(const cvode *data, dl_method_stats *stats) {
     stats->steps += count(CVodeGetNumSteps, data->memory);
     stats->rejected += count(CVodeGetNumErrTestFails, data->memory) +
                        count(CVodeGetNumStepSolveFails, data->memory);
-    stats->nonlinear_iterations += count(CVodeGetNumNonlinSolvIters, data->memory);
-    if (!data->linear)
-        return;
-    stats->linear_iterations += count(CVodeGetNumLinIters, data->memory);
-    if (data->matrix)
-        stats->factorisations += count(CVodeGetNumLinSolvSetups, data->memory);
+    dl_implicit_add_stats(&data->implicit, data->memory, stats);
+}
+
+static int restart(cvode *data, double t) {
+    add_stats(data, &data->before);
+    data->implicit.preconditioner.factorisations = 0;
+    return CVodeReInit(data->memory, t, data->state);
 }
 
 static dl_status cvode_advance(dl_method *method, double t_stop, dl_error *error) {
     cvode *const data = method->data;
     double t = method->t;
-    dl_sundials_begin(&data->sundials);
-    int flag = CV_SUCCESS;
-    if (data->stale) {
-        add_stats(data, &data->before);
-        flag = CVodeReInit(data->memory, method->t, data->state);
-    }
+    dl_sundials_begin(&data->implicit.sundials);
+    int flag = data->stale ? restart(data, t) : CV_SUCCESS;
     data->stale = false;
     if (flag == CV_SUCCESS)
         flag = CVodeSetStopTime(data->memory, t_stop);
@@ -270,7 +135,7 @@ static dl_status cvode_advance(dl_method *method, double t_stop, dl_error *error
         flag = CVode(data->memory, t_stop, data->y, &t, CV_ONE_STEP);
     if (flag < 0) {
         data->stale = true;
-        return dl_sundials_fail(&data->sundials, meanings, flag, "CVode", error);
+        return dl_sundials_fail(&data->implicit.sundials, meanings, flag, "CVode", error);
     }
     memcpy(method->y, data->work, 2 * method->n * sizeof *method->y);
     method->t = t;
@@ -286,10 +151,10 @@ static int cvode_dense_degree(const dl_method *method) {
 static dl_status cvode_dense(dl_method *method, double t, int derivative, double *y_out,
                              dl_error *error) {
     cvode *const data = method->data;
-    dl_sundials_begin(&data->sundials);
+    dl_sundials_begin(&data->implicit.sundials);
     const int flag = CVodeGetDky(data->memory, t, derivative, data->y);
     if (flag)
-        return dl_sundials_fail(&data->sundials, meanings, flag, "CVodeGetDky", error);
+        return dl_sundials_fail(&data->implicit.sundials, meanings, flag, "CVodeGetDky", error);
     memcpy(y_out, data->work, 2 * method->n * sizeof *y_out);
     return DL_OK;
 }
@@ -312,16 +177,10 @@ static void cvode_destroy(dl_method *method) {
         return;
     if (data->memory)
         CVodeFree(&data->memory);
-    if (data->nonlinear)
-        SUNNonlinSolFree(data->nonlinear);
-    if (data->linear)
-        SUNLinSolFree(data->linear);
-    if (data->matrix)
-        SUNMatDestroy(data->matrix);
+    dl_implicit_free(&data->implicit);
     N_VDestroy(data->y);
     N_VDestroy(data->state);
-    dl_sundials_destroy(&data->sundials);
-    free(data->values);
+    dl_sundials_destroy(&data->implicit.sundials);
     free(data->work);
     free(data);
 }
@@ -339,64 +198,62 @@ static const dl_method_ops ops = {
 /* --- rows --------------------------------------------------------------------------------------
  */
 
-#define OPTION_MAX_ORDER(largest, text)                                                            \
-    {                                                                                              \
+#define OPTIONS_ANY(highest)                                                                       \
+    DL_OPTION_RTOL(cvode_options), DL_OPTION_ATOL(cvode_options), {                                \
         .name = "max_order", .kind = DL_INTEGER, .offset = offsetof(cvode_options, max_order),     \
-        .unit = "", .minimum = 1, .maximum = largest, .fallback = text,                            \
+        .unit = "", .minimum = 1, .maximum = highest, .fallback = #highest,                        \
         .doc = "highest order used"                                                                \
     }
 
-#define OPTION_ANDERSON                                                                            \
-    {                                                                                              \
-        .name = "anderson", .kind = DL_INTEGER, .offset = offsetof(cvode_options, anderson),       \
-        .unit = "", .minimum = 0, .maximum = 20, .fallback = "0",                                  \
-        .doc = "depth of Anderson acceleration; 0: plain functional iteration"                     \
-    }
+static const dl_parameter adams_fixed_point_options[] = {OPTIONS_ANY(12),
+                                                         DL_OPTION_ANDERSON(cvode_options)};
+static const dl_parameter adams_newton_options[] = {OPTIONS_ANY(12)};
+static const dl_parameter adams_krylov_options[] = {OPTIONS_ANY(12),
+                                                    DL_OPTIONS_KRYLOV(cvode_options)};
+static const dl_parameter bdf_fixed_point_options[] = {OPTIONS_ANY(5),
+                                                       DL_OPTION_ANDERSON(cvode_options)};
+static const dl_parameter bdf_newton_options[] = {OPTIONS_ANY(5)};
+static const dl_parameter bdf_krylov_options[] = {OPTIONS_ANY(5), DL_OPTIONS_KRYLOV(cvode_options)};
 
-#define OPTIONS_TOLERANCES DL_OPTION_RTOL(cvode_options), DL_OPTION_ATOL(cvode_options)
-
-static const dl_parameter adams_options[] = {OPTIONS_TOLERANCES, OPTION_MAX_ORDER(12, "12"),
-                                             OPTION_ANDERSON};
-static const dl_parameter bdf_fixed_point_options[] = {OPTIONS_TOLERANCES, OPTION_MAX_ORDER(5, "5"),
-                                                       OPTION_ANDERSON};
-static const dl_parameter bdf_klu_options[] = {OPTIONS_TOLERANCES, OPTION_MAX_ORDER(5, "5")};
-static const dl_parameter bdf_krylov_options[] = {
-    OPTIONS_TOLERANCES,
-    OPTION_MAX_ORDER(5, "5"),
-    {
-        .name = "krylov_dimension",
-        .kind = DL_INTEGER,
-        .offset = offsetof(cvode_options, krylov_dimension),
-        .unit = "",
-        .minimum = 1,
-        .maximum = 100,
-        .fallback = "5",
-        .doc = "largest dimension of GMRES' space",
-    },
-};
-
-static const cvode_variant adams = {CV_ADAMS, attach_fixed_point};
-static const cvode_variant bdf_fixed_point = {CV_BDF, attach_fixed_point};
-static const cvode_variant bdf_klu = {CV_BDF, attach_klu};
-static const cvode_variant bdf_krylov = {CV_BDF, attach_krylov};
-
-#define CVODE(symbol, name_, flags_, doc_)                                                         \
+#define CVODE(symbol, name_, family_, solver_, table, flags_, doc_)                                \
+    static const cvode_variant symbol = {family_, solver_};                                        \
     const dl_method_row dl_method_cvode_##symbol = {                                               \
         .name = name_,                                                                             \
         .family = "CVODE",                                                                         \
-        .doc = doc_,                                                                               \
+        .doc = doc_ " (CVODE)",                                                                    \
         .order = 0,                                                                                \
         .flags = DL_IMPLICIT | DL_ADAPTIVE | (flags_),                                             \
-        .options = DL_OPTIONS_TABLE(symbol##_options),                                             \
+        .options = DL_OPTIONS_TABLE(table),                                                        \
         .options_size = sizeof(cvode_options),                                                     \
         .variant = &(symbol),                                                                      \
         .ops = &ops,                                                                               \
     }
 
-CVODE(adams, "cvode-adams", 0, "Adams-Moulton, orders 1-12, fixed-point iteration (CVODE)");
-CVODE(bdf_fixed_point, "cvode-bdf-fixed-point", 0,
-      "BDF, orders 1-5, fixed-point iteration (CVODE)");
-CVODE(bdf_klu, "cvode-bdf-klu", DL_NEEDS_JACOBIAN,
-      "BDF, orders 1-5, Newton with an analytic sparse Jacobian and KLU (CVODE)");
-CVODE(bdf_krylov, "cvode-bdf-krylov", DL_NEEDS_JACOBIAN,
-      "BDF, orders 1-5, Newton with GMRES and analytic Jacobian-vector products (CVODE)");
+#define ADAMS       "Adams-Moulton, orders 1-12, "
+#define BDF         "BDF, orders 1-5, "
+#define BY_ITSELF   "fixed-point iteration"
+#define BY_DENSE    "Newton with an analytic Jacobian, factorised whole"
+#define BY_KLU      "Newton with an analytic sparse Jacobian and KLU"
+#define BY_KRYLOV   "Newton with a Krylov method and analytic Jacobian-vector products"
+#define BY_DIAGONAL "Newton with difference quotients in place of the Jacobian's diagonal"
+
+CVODE(adams, "cvode-adams", CV_ADAMS, DL_IMPLICIT_FIXED_POINT, adams_fixed_point_options, 0,
+      ADAMS BY_ITSELF);
+CVODE(adams_dense, "cvode-adams-dense", CV_ADAMS, DL_IMPLICIT_DENSE, adams_newton_options,
+      DL_NEEDS_JACOBIAN, ADAMS BY_DENSE);
+CVODE(adams_klu, "cvode-adams-klu", CV_ADAMS, DL_IMPLICIT_KLU, adams_newton_options,
+      DL_NEEDS_JACOBIAN, ADAMS BY_KLU);
+CVODE(adams_krylov, "cvode-adams-krylov", CV_ADAMS, DL_IMPLICIT_KRYLOV, adams_krylov_options,
+      DL_NEEDS_JACOBIAN, ADAMS BY_KRYLOV);
+CVODE(adams_diagonal, "cvode-adams-diagonal", CV_ADAMS, DL_IMPLICIT_DIAGONAL, adams_newton_options,
+      0, ADAMS BY_DIAGONAL);
+CVODE(bdf_fixed_point, "cvode-bdf-fixed-point", CV_BDF, DL_IMPLICIT_FIXED_POINT,
+      bdf_fixed_point_options, 0, BDF BY_ITSELF);
+CVODE(bdf_dense, "cvode-bdf-dense", CV_BDF, DL_IMPLICIT_DENSE, bdf_newton_options,
+      DL_NEEDS_JACOBIAN, BDF BY_DENSE);
+CVODE(bdf_klu, "cvode-bdf-klu", CV_BDF, DL_IMPLICIT_KLU, bdf_newton_options, DL_NEEDS_JACOBIAN,
+      BDF BY_KLU);
+CVODE(bdf_krylov, "cvode-bdf-krylov", CV_BDF, DL_IMPLICIT_KRYLOV, bdf_krylov_options,
+      DL_NEEDS_JACOBIAN, BDF BY_KRYLOV);
+CVODE(bdf_diagonal, "cvode-bdf-diagonal", CV_BDF, DL_IMPLICIT_DIAGONAL, bdf_newton_options, 0,
+      BDF BY_DIAGONAL);

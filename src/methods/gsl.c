@@ -1,5 +1,12 @@
 /* Steppers of the GNU Scientific Library (ode-initval2), at a fixed step or with GSL's own control
- * of the step. msadams chooses its order by the tolerances and so has no fixed step. */
+ * of the step. msadams and msbdf choose their order by the tolerances and so have no fixed step.
+ *
+ * The implicit ones factorise dense matrices of the whole state, 2 unknowns long (rk4imp of both
+ * its stages), whatever the pattern of
+ *
+ *     J = [0 I; A 0],   A = d a / d q,
+ *
+ * and estimate their error by doubling the step, but for bsimp and msbdf. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,16 +22,21 @@ typedef struct gsl_options {
 
 typedef struct gsl_variant {
     const gsl_odeiv2_step_type *const *type;
+    size_t matrices; /* of the state's length squared that it needs */
 } gsl_variant;
 
 typedef struct gsl {
     gsl_odeiv2_system system;
     gsl_odeiv2_driver *driver; /* couples stepper, control and evolution; msadams needs all three */
     double *work;              /* [2 unknowns]: what GSL steps, so that a failure leaves y alone */
+    double *values;            /* of A, [values_size] */
+    size_t values_size;
     dl_model *model;
     dl_status model_status; /* last failure of the model in this step */
     dl_error model_error;
     unsigned long steps, rejected;
+    unsigned attempts;   /* at a step, since window_start */
+    double window_start; /* a time */
 } gsl;
 
 /* A state without a finite acceleration may be avoided by a shorter step; GSL tries one unless the
@@ -38,22 +50,63 @@ static int rhs(double t, const double y[], double ydot[], void *parameters) {
     return data->model_status == DL_UNSTABLE ? GSL_EDOM : GSL_EBADFUNC;
 }
 
+/* A at q: pattern and values. */
+static dl_status evaluate(gsl *data, const double *q, const dl_sparsity **pattern,
+                          dl_error *error) {
+    const dl_status status = dl_model_sparsity(data->model, q, NULL, pattern, error);
+    if (status)
+        return status;
+    if ((*pattern)->nonzeros > data->values_size) {
+        double *const grown = realloc(data->values, (*pattern)->nonzeros * sizeof *grown);
+        if (!grown)
+            return dl_fail_memory(error, "the Jacobian");
+        data->values = grown;
+        data->values_size = (*pattern)->nonzeros;
+    }
+    return dl_model_jacobian(data->model, q, data->values, error);
+}
+
+/* dfdy by rows. */
+static int jacobian(double t, const double y[], double *dfdy, double dfdt[], void *parameters) {
+    (void)t;
+    gsl *const data = parameters;
+    const size_t n = data->model->unknowns, length = 2 * n;
+    const dl_sparsity *a = NULL;
+    memset(dfdt, 0, length * sizeof *dfdt);
+    memset(dfdy, 0, length * length * sizeof *dfdy);
+    data->model_status = evaluate(data, y, &a, &data->model_error);
+    if (data->model_status)
+        return data->model_status == DL_UNSTABLE ? GSL_EDOM : GSL_EBADFUNC;
+    for (size_t row = 0; row < n; row++)
+        dfdy[row * length + n + row] = 1;
+    for (size_t column = 0; column < n; column++)
+        for (long k = a->column_start[column]; k < a->column_start[column + 1]; k++)
+            dfdy[(n + (size_t)a->row[k]) * length + column] = data->values[k];
+    return GSL_SUCCESS;
+}
+
+/* Whether there is room for the matrices of a stepper, which GSL does not always ask. */
+static bool has_room(size_t matrices, size_t length) {
+    double *const room = malloc(matrices * length * length * sizeof *room);
+    free(room);
+    return room;
+}
+
 static dl_status gsl_create(dl_method *method, dl_error *error) {
     const gsl_options *const chosen = method->options;
     const gsl_variant *const variant = method->row->variant;
     method->step = method->row->flags & DL_FIXED_STEP ? chosen->step : 0;
-    const dl_status status = dl_method_refuse_unused_tolerances(method, method->step, error);
-    if (status)
-        return status;
     gsl_set_error_handler_off(); /* GSL's default is to abort */
     gsl *const data = method->data = calloc(1, sizeof *data);
     if (!data)
         return dl_fail_memory(error, "a GSL stepper");
     const size_t length = 2 * method->n;
     data->model = method->model;
-    data->system =
-        (gsl_odeiv2_system){.function = rhs, .dimension = length, .params = data, .jacobian = NULL};
+    data->system = (gsl_odeiv2_system){
+        .function = rhs, .jacobian = jacobian, .dimension = length, .params = data};
     data->work = malloc(length * sizeof *data->work);
+    if (variant->matrices > 0 && !has_room(variant->matrices, length))
+        return dl_fail_memory(error, "the matrices of a GSL stepper");
     const double first_step = method->step > 0 ? method->step : method->model->scene->step / 100;
     if (data->work)
         data->driver = gsl_odeiv2_driver_alloc_y_new(&data->system, *variant->type, first_step,
@@ -61,8 +114,11 @@ static dl_status gsl_create(dl_method *method, dl_error *error) {
     return data->driver ? DL_OK : dl_fail_memory(error, "a GSL stepper");
 }
 
-/* GSL itself goes on with steps that reach nowhere. A part of the time to be reached. */
-static const double least_step = 1e-15;
+/* GSL itself goes on with steps that reach nowhere: shorter than this part of the time to be
+ * reached, or so many of them that all attempts of a window are on average shorter than this part
+ * of the scene's step (tolerances near roundoff where the force jumps). */
+static const double least_step = 1e-15, least_mean_step = 1e-6;
+enum { window = 20000 };
 
 static dl_status failed(const dl_method *method, int flag, double step, dl_error *error) {
     const gsl *const data = method->data;
@@ -70,8 +126,41 @@ static dl_status failed(const dl_method *method, int flag, double step, dl_error
         return dl_fail(error, data->model_status, "%s", data->model_error.message);
     if (flag == GSL_ENOMEM)
         return dl_fail_memory(error, "a GSL stepper");
+    if (method->step > 0 && method->row->flags & DL_IMPLICIT)
+        return dl_fail(error, DL_NONLINEAR_FAILURE, "%s did not solve its step at t = %.10g: %s",
+                       method->row->name, method->t, gsl_strerror(flag));
     return dl_fail(error, DL_STEP_FAILURE, "%s found no step at t = %.10g (last tried: %.3g): %s",
                    method->row->name, method->t, step, gsl_strerror(flag));
+}
+
+/* Whether what GSL calls a success is one. */
+static dl_status check_step(const dl_method *method, double t, double t_stop, dl_error *error) {
+    const gsl *const data = method->data;
+    if (method->step > 0) /* bsimp says so where its iteration has run away */
+        return isinf(data->driver->e->yerr[0])
+                   ? dl_fail(error, DL_NONLINEAR_FAILURE, "%s did not solve its step at t = %.10g",
+                             method->row->name, method->t)
+                   : DL_OK;
+    if (t < t_stop && t - method->t < least_step * t_stop)
+        return dl_fail(error, DL_STEP_FAILURE,
+                       "%s: the step became as small as %.3g at t = %.10g: too much accuracy asked",
+                       method->row->name, t - method->t, method->t);
+    const double mean = (t - data->window_start) / window;
+    if (data->attempts == window && mean < least_mean_step * method->model->scene->step)
+        return dl_fail(error, DL_STEP_FAILURE,
+                       "%s: %d attempts at a step were %.3g long on average at t = %.10g: too much "
+                       "accuracy asked",
+                       method->row->name, (int)window, mean, method->t);
+    return DL_OK;
+}
+
+static void count_attempts(gsl *data, unsigned long rejected, double t) {
+    data->rejected += rejected;
+    if (data->attempts == window) {
+        data->attempts = 0;
+        data->window_start = t;
+    }
+    data->attempts = (unsigned)fmin(window, (double)(data->attempts + rejected + 1));
 }
 
 static dl_status gsl_advance(dl_method *method, double t_stop, dl_error *error) {
@@ -89,20 +178,13 @@ static dl_status gsl_advance(dl_method *method, double t_stop, dl_error *error) 
                                evolve, NULL, driver->s, &data->system, &t, method->step, data->work)
                          : gsl_odeiv2_evolve_apply(evolve, driver->c, driver->s, &data->system, &t,
                                                    t_stop, &driver->h, data->work);
-    data->rejected += evolve->failed_steps - rejected_before;
-    if (flag != GSL_SUCCESS) {
-        const dl_status status = failed(method, flag, driver->h, error);
+    count_attempts(data, evolve->failed_steps - rejected_before, method->t);
+    const dl_status status = flag == GSL_SUCCESS ? check_step(method, t, t_stop, error)
+                                                 : failed(method, flag, driver->h, error);
+    if (status) {
         gsl_odeiv2_driver_reset(driver);
         driver->h = step_before;
         return status;
-    }
-    if (method->step == 0 && t < t_stop && t - method->t < least_step * t_stop) {
-        const double step = t - method->t;
-        gsl_odeiv2_driver_reset(driver);
-        driver->h = step_before;
-        return dl_fail(error, DL_STEP_FAILURE,
-                       "%s: the step became as small as %.3g at t = %.10g: too much accuracy asked",
-                       method->row->name, step, method->t);
     }
     memcpy(method->y, data->work, bytes);
     data->steps++;
@@ -130,6 +212,7 @@ static void gsl_destroy(dl_method *method) {
         if (data->driver)
             gsl_odeiv2_driver_free(data->driver);
         free(data->work);
+        free(data->values);
     }
     free(data);
 }
@@ -142,19 +225,26 @@ static const dl_method_ops ops = {
     .destroy = gsl_destroy,
 };
 
-static const dl_parameter runge_kutta_options[] = {DL_OPTION_STEP_OR_ADAPTIVE(gsl_options),
-                                                   DL_OPTION_RTOL(gsl_options),
-                                                   DL_OPTION_ATOL(gsl_options)};
+/* --- rows --------------------------------------------------------------------------------------
+ */
+
+static const dl_parameter explicit_options[] = {DL_OPTION_STEP_OR_ADAPTIVE(gsl_options),
+                                                DL_OPTION_RTOL(gsl_options),
+                                                DL_OPTION_ATOL(gsl_options)};
+static const dl_parameter implicit_options[] = {DL_OPTION_STEP_OR_ADAPTIVE(gsl_options),
+                                                DL_OPTIONS_TOLERANCES_OF_STAGES(gsl_options)};
 static const dl_parameter multistep_options[] = {DL_OPTION_RTOL(gsl_options),
                                                  DL_OPTION_ATOL(gsl_options)};
 
-#define GSL(stepper, name_, order_, flags_, table, doc_)                                           \
-    static const gsl_variant stepper = {&gsl_odeiv2_step_##stepper};                               \
+#define GSL(stepper, name_, order_, stages_, forces_, matrices_, flags_, table, doc_)              \
+    static const gsl_variant stepper = {&gsl_odeiv2_step_##stepper, matrices_};                    \
     const dl_method_row dl_method_gsl_##stepper = {                                                \
         .name = name_,                                                                             \
         .family = "GSL",                                                                           \
-        .doc = doc_,                                                                               \
+        .doc = doc_ " (GSL)",                                                                      \
         .order = order_,                                                                           \
+        .stages = stages_,                                                                         \
+        .forces = forces_,                                                                         \
         .flags = DL_ADAPTIVE | (flags_),                                                           \
         .options = DL_OPTIONS_TABLE(table),                                                        \
         .options_size = sizeof(gsl_options),                                                       \
@@ -162,10 +252,25 @@ static const dl_parameter multistep_options[] = {DL_OPTION_RTOL(gsl_options),
         .ops = &ops,                                                                               \
     }
 
-GSL(rk4, "gsl-rk4", 4, DL_FIXED_STEP, runge_kutta_options,
-    "the classical Runge-Kutta method, error by step doubling (GSL)");
-GSL(rkf45, "gsl-rkf45", 5, DL_FIXED_STEP, runge_kutta_options, "Runge-Kutta-Fehlberg 4(5) (GSL)");
-GSL(rk8pd, "gsl-rk8pd", 8, DL_FIXED_STEP, runge_kutta_options,
-    "Runge-Kutta Prince-Dormand 8(9) (GSL)");
-GSL(msadams, "gsl-msadams", 0, 0, multistep_options,
-    "Adams in Nordsieck form, orders 1-12, variable step (GSL)");
+#define IMPLICIT (DL_IMPLICIT | DL_NEEDS_JACOBIAN)
+
+GSL(rk2, "gsl-rk2", 3, 3, 4, 0, DL_FIXED_STEP, explicit_options,
+    "Runge-Kutta 2(3), going on with the result of order 3");
+GSL(rk4, "gsl-rk4", 4, 4, 12, 0, DL_FIXED_STEP, explicit_options,
+    "the classical Runge-Kutta method, error by step doubling");
+GSL(rkf45, "gsl-rkf45", 5, 6, 7, 0, DL_FIXED_STEP, explicit_options, "Runge-Kutta-Fehlberg 4(5)");
+GSL(rkck, "gsl-rkck", 5, 6, 7, 0, DL_FIXED_STEP, explicit_options, "Runge-Kutta Cash-Karp 4(5)");
+GSL(rk8pd, "gsl-rk8pd", 8, 13, 14, 0, DL_FIXED_STEP, explicit_options,
+    "Runge-Kutta Prince-Dormand 8(9)");
+GSL(rk1imp, "gsl-rk1imp", 1, 1, 0, 2, DL_FIXED_STEP | IMPLICIT, implicit_options,
+    "implicit Euler method in two half steps, Newton with a dense Jacobian");
+GSL(rk2imp, "gsl-rk2imp", 2, 1, 0, 2, DL_FIXED_STEP | IMPLICIT, implicit_options,
+    "implicit midpoint method in two half steps, Newton with a dense Jacobian");
+GSL(rk4imp, "gsl-rk4imp", 4, 2, 0, 5, DL_FIXED_STEP | IMPLICIT, implicit_options,
+    "Gauss collocation of 2 stages in two half steps, Newton with a dense Jacobian");
+GSL(bsimp, "gsl-bsimp", 14, 0, 140, 2, DL_FIXED_STEP | IMPLICIT, explicit_options,
+    "semi-implicit extrapolation of Bader and Deuflhard, 7 columns, with a dense Jacobian");
+GSL(msadams, "gsl-msadams", 0, 0, 0, 0, 0, multistep_options,
+    "Adams in Nordsieck form, orders 1-12, variable step");
+GSL(msbdf, "gsl-msbdf", 0, 0, 0, 2, IMPLICIT, multistep_options,
+    "BDF in Nordsieck form, orders 1-5, variable step, Newton with a dense Jacobian");

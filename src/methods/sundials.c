@@ -2,7 +2,11 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <arkode/arkode_arkstep.h>
 #include <arkode/arkode_erkstep.h>
+#if DL_SUNDIALS_AT_LEAST(6, 6)
+#include <arkode/arkode_sprkstep.h>
+#endif
 #include <cvode/cvode.h>
 #include <kinsol/kinsol.h>
 #include <sundials/sundials_config.h>
@@ -26,8 +30,8 @@ static void on_message(int flag, const char *module, const char *function, char 
         keep_message(data, function, message);
 }
 
-int dl_sundials_listen_erk(dl_sundials *sundials, void *memory) {
-    return ERKStepSetErrHandlerFn(memory, on_message, sundials);
+int dl_sundials_listen_arkode(dl_sundials *sundials, const dl_arkode_calls *calls, void *memory) {
+    return calls->listen(memory, on_message, sundials);
 }
 
 int dl_sundials_listen_cvode(dl_sundials *sundials, void *memory) {
@@ -54,18 +58,19 @@ static void on_message(int line, const char *function, const char *file, const c
 }
 
 /* The context's handler hears every solver. */
-int dl_sundials_listen_erk(dl_sundials *sundials, void *memory) {
-    (void)sundials;
-    (void)memory;
+int dl_sundials_listen_arkode(dl_sundials *sundials, const dl_arkode_calls *calls, void *memory) {
+    (void)sundials, (void)calls, (void)memory;
     return 0;
 }
 
 int dl_sundials_listen_cvode(dl_sundials *sundials, void *memory) {
-    return dl_sundials_listen_erk(sundials, memory);
+    (void)sundials, (void)memory;
+    return 0;
 }
 
 int dl_sundials_listen_kinsol(dl_sundials *sundials, void *memory) {
-    return dl_sundials_listen_erk(sundials, memory);
+    (void)sundials, (void)memory;
+    return 0;
 }
 
 static int context_create(dl_sundials *sundials) {
@@ -75,6 +80,111 @@ static int context_create(dl_sundials *sundials) {
     SUNContext_ClearErrHandlers(sundials->context);
     return SUNContext_PushErrHandler(sundials->context, on_message, sundials);
 }
+
+#endif
+
+/* --- ARKODE's calls ----------------------------------------------------------------------------
+ */
+
+#if DL_SUNDIALS_AT_LEAST(7, 1)
+
+#define IMPLICIT_CALLS                                                                             \
+    .implicit = {                                                                                  \
+        .set_nonlinear_solver = ARKodeSetNonlinearSolver,                                          \
+        .set_linear_solver = ARKodeSetLinearSolver,                                                \
+        .set_jacobian = ARKodeSetJacFn,                                                            \
+        .set_jacobian_times = ARKodeSetJacTimes,                                                   \
+        .set_preconditioner = ARKodeSetPreconditioner,                                             \
+        .set_most_iterations = ARKodeSetMaxNonlinIters,                                            \
+        .nonlinear_iterations = ARKodeGetNumNonlinSolvIters,                                       \
+        .linear_iterations = ARKodeGetNumLinIters,                                                 \
+        .set_ups = ARKodeGetNumLinSolvSetups,                                                      \
+    }
+
+#if DL_SUNDIALS_AT_LEAST(7, 2)
+#define AS_INNER_STEPPER ARKodeCreateMRIStepInnerStepper
+#else
+#define AS_INNER_STEPPER ARKStepCreateMRIStepInnerStepper
+#endif
+
+#if DL_SUNDIALS_AT_LEAST(7, 4)
+#define SET_COMPENSATED ARKodeSetUseCompensatedSums
+#else
+#define SET_COMPENSATED SPRKStepSetUseCompensatedSums
+#endif
+
+#define ANY_STEPPER                                                                                \
+    .reset = ARKodeReset, .evolve = ARKodeEvolve, .set_user_data = ARKodeSetUserData,              \
+    .set_tolerances = ARKodeSStolerances, .set_stop_time = ARKodeSetStopTime,                      \
+    .set_fixed_step = ARKodeSetFixedStep, .set_first_step = ARKodeSetInitStep,                     \
+    .set_most_steps = ARKodeSetMaxNumSteps, .set_interpolant_degree = ARKodeSetInterpolantDegree,  \
+    .set_after_step = ARKodeSetPostprocessStepFn, .steps = ARKodeGetNumSteps,                      \
+    .attempts = ARKodeGetNumStepAttempts, .current_step = ARKodeGetCurrentStep,                    \
+    .as_inner_stepper = AS_INNER_STEPPER, .free = ARKodeFree, .set_relaxation = ARKodeSetRelaxFn,  \
+    .set_compensated = SET_COMPENSATED, IMPLICIT_CALLS
+
+const dl_arkode_calls dl_erkstep_calls = {ANY_STEPPER};
+const dl_arkode_calls dl_arkstep_calls = {ANY_STEPPER};
+const dl_arkode_calls dl_mristep_calls = {ANY_STEPPER};
+const dl_arkode_calls dl_sprkstep_calls = {ANY_STEPPER};
+
+#else
+
+/* What every stepper has. */
+#define STEPPER(prefix)                                                                            \
+    .reset = prefix##Reset, .evolve = prefix##Evolve, .set_user_data = prefix##SetUserData,        \
+    .set_stop_time = prefix##SetStopTime, .set_fixed_step = prefix##SetFixedStep,                  \
+    .set_most_steps = prefix##SetMaxNumSteps,                                                      \
+    .set_interpolant_degree = prefix##SetInterpolantDegree,                                        \
+    .set_after_step = prefix##SetPostprocessStepFn, .steps = prefix##GetNumSteps,                  \
+    .free = prefix##Free LISTEN(prefix)
+
+#if DL_SUNDIALS_AT_LEAST(7, 0)
+#define LISTEN(prefix)
+#else
+#define LISTEN(prefix) , .listen = prefix##SetErrHandlerFn
+#endif
+
+#define ADAPTIVE_STEPPER(prefix)                                                                   \
+    STEPPER(prefix),                                                                               \
+        .set_tolerances = prefix##SStolerances, .set_first_step = prefix##SetInitStep,             \
+        .attempts = prefix##GetNumStepAttempts, .current_step = prefix##GetCurrentStep
+
+#define IMPLICIT_STEPPER(prefix)                                                                   \
+    .implicit = {                                                                                  \
+        .set_nonlinear_solver = prefix##SetNonlinearSolver,                                        \
+        .set_linear_solver = prefix##SetLinearSolver,                                              \
+        .set_jacobian = prefix##SetJacFn,                                                          \
+        .set_jacobian_times = prefix##SetJacTimes,                                                 \
+        .set_preconditioner = prefix##SetPreconditioner,                                           \
+        .set_most_iterations = prefix##SetMaxNonlinIters,                                          \
+        .nonlinear_iterations = prefix##GetNumNonlinSolvIters,                                     \
+        .linear_iterations = prefix##GetNumLinIters,                                               \
+        .set_ups = prefix##GetNumLinSolvSetups,                                                    \
+    }
+
+const dl_arkode_calls dl_erkstep_calls = {
+    ADAPTIVE_STEPPER(ERKStep),
+#if DL_SUNDIALS_AT_LEAST(6, 6)
+    .set_relaxation = ERKStepSetRelaxFn,
+#endif
+};
+const dl_arkode_calls dl_arkstep_calls = {
+    ADAPTIVE_STEPPER(ARKStep),
+    .as_inner_stepper = ARKStepCreateMRIStepInnerStepper,
+    IMPLICIT_STEPPER(ARKStep),
+};
+const dl_arkode_calls dl_mristep_calls = {
+    STEPPER(MRIStep),
+    .set_tolerances = MRIStepSStolerances,
+    IMPLICIT_STEPPER(MRIStep),
+};
+#if DL_SUNDIALS_AT_LEAST(6, 6)
+const dl_arkode_calls dl_sprkstep_calls = {
+    STEPPER(SPRKStep),
+    .set_compensated = SPRKStepSetUseCompensatedSums,
+};
+#endif
 
 #endif
 
@@ -91,7 +201,7 @@ void dl_sundials_destroy(dl_sundials *sundials) {
         SUNContext_Free(&sundials->context);
 }
 
-N_Vector dl_sundials_vector(dl_sundials *sundials, double *data, size_t length) {
+N_Vector dl_sundials_vector(const dl_sundials *sundials, double *data, size_t length) {
     return N_VMake_Serial((sunindextype)length, data, sundials->context);
 }
 
@@ -107,6 +217,10 @@ void dl_sundials_begin(dl_sundials *sundials) {
  */
 static bool is_final(dl_status status) {
     return status != DL_OK && status != DL_UNSTABLE;
+}
+
+bool dl_sundials_has_failed(const dl_sundials *sundials) {
+    return is_final(sundials->model_status);
 }
 
 int dl_sundials_answer(dl_sundials *sundials, dl_status status, const dl_error *error) {
