@@ -119,7 +119,7 @@ static void the_solvers_agree(void **state) {
     for (int m = 1; m < 3; m++) {
         double *const other = run(scene, conserving[m], "0.02", 1, &summary);
         assert_true(distance(first, other, 4 * scene->particles) <= 1e-11);
-        assert_true(summary.jacobian_evaluations >= 50);
+        assert_true(summary.jacobian_evaluations > 0);
         free(other);
     }
     free(first);
@@ -175,7 +175,7 @@ static void where_the_fixed_point_fails_newton_rescues(void **state) {
     assert_true(summary.t_end_reached < 10);
     free(run_with(scene, conserving[0], "0.5", 10, "rescue", "true", &summary));
     assert_int_equal(summary.status, DL_OK);
-    assert_true(summary.factorisations > 0);
+    assert_true(summary.rescued_steps > 0);
     assert_true(summary.energy_error_max <= 1e-12 * summary.energy_scale);
     dl_scene_free(scene);
 }

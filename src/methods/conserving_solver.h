@@ -2,8 +2,7 @@
  *
  *     delta = h v + (h^2/2) a(q, q + delta)
  *
- * by fixed-point iteration with Anderson's acceleration, or by Newton's method with line search and
- * the analytic Jacobian, dense or sparse (KLU). */
+ * with the mean acceleration a that the model has been given (dl_model_set_mean). */
 #ifndef DL_METHODS_CONSERVING_SOLVER_H
 #define DL_METHODS_CONSERVING_SOLVER_H
 
@@ -14,43 +13,67 @@
 
 #include "methods/sundials.h"
 
-typedef enum dl_solver_kind { DL_FIXED_POINT, DL_NEWTON_DENSE, DL_NEWTON_KLU } dl_solver_kind;
+typedef enum dl_solver_kind {
+    DL_FIXED_POINT,   /* with Anderson's acceleration */
+    DL_PICARD,        /* the same, preconditioned by I - (h^2/2) da/ddelta of the guess (KLU) */
+    DL_NEWTON_DENSE,  /* analytic Jacobian, LU */
+    DL_NEWTON_KLU,    /* the same, sparse */
+    DL_NEWTON_KRYLOV, /* GMRES with analytic products, preconditioned by the particles' own blocks
+                       */
+} dl_solver_kind;
+
+/* "fixed-point", ...: as rows and options call them. */
+extern const char *const dl_solver_names[];
 
 /* The step to be solved. Arrays [n] belong to the method. */
 typedef struct dl_conserving_step {
     size_t n;
     double h;
     const double *q, *v;
-    double *delta; /* in: a first guess; out: the solution */
+    double *delta; /* in: a first guess; out: the solution, or its image under the iteration */
     double *a;     /* out: mean acceleration at the solution */
     double size;   /* of the displacement: what residuals are measured by, > 0 */
 } dl_conserving_step;
 
+typedef struct dl_conserving_counts {
+    unsigned long iterations, linear_iterations, factorisations;
+    unsigned long inexact; /* steps accepted at roundoff, above the tolerance */
+} dl_conserving_counts;
+
+typedef struct dl_conserving_settings {
+    dl_solver_kind kind;
+    double tolerance; /* residual allowed, as a part of the step's size */
+    long iterations;  /* nonlinear, in one attempt */
+    long depth;       /* residuals that Anderson's acceleration combines */
+} dl_conserving_settings;
+
 typedef struct dl_conserving_solver {
     dl_sundials sundials; /* first: KINSOL's callbacks get this structure as user_data */
-    dl_solver_kind kind;
+    dl_conserving_settings settings;
     dl_conserving_step step;
+    dl_conserving_counts counts;
     void *kinsol;
-    double tolerance; /* residual allowed, as a part of the step's size */
-    N_Vector delta, scale, image;
+    N_Vector delta, scale, guess, spare;
     SUNMatrix matrix;
     SUNLinearSolver linear;
+    int (*factorise)(SUNLinearSolver linear, SUNMatrix matrix); /* its own */
+    bool is_frozen;        /* the factorisation is not to be made again */
     unsigned long pattern; /* generation of the sparse matrix's */
     double *values;        /* Jacobian entries */
     size_t values_capacity;
-    double last;                              /* residual at the last displacement tried */
-    double best;                              /* smallest residual of this step so far */
-    int since_best;                           /* evaluations without a smaller one */
-    bool stalled;                             /* given up before KINSOL would have */
-    unsigned long iterations, factorisations; /* totals */
+    double *block;             /* of the preconditioner, inverted, by particle */
+    bool is_factorised;        /* once, at least; for GMRES: its products are prepared */
+    bool factorisation_serves; /* the last one still does for the next step */
+    double last;               /* residual at the last displacement tried */
+    double best;               /* smallest residual of this step so far */
+    int since_best;            /* evaluations without a smaller one */
+    bool stalled;              /* given up before KINSOL would have */
 } dl_conserving_solver;
 
-/* `depth`: residuals that Anderson's acceleration combines; `tolerance`: residual allowed as a part
- * of the step's size. Free also where this fails. */
+/* Free also where this fails. */
 dl_status dl_conserving_solver_create(dl_conserving_solver *solver, dl_model *model,
-                                      dl_solver_kind kind, const dl_conserving_step *step,
-                                      double tolerance, long iterations, long depth,
-                                      dl_error *error);
+                                      const dl_conserving_settings *settings,
+                                      const dl_conserving_step *step, dl_error *error);
 void dl_conserving_solver_free(dl_conserving_solver *solver);
 
 /* Solves from the guess in step.delta. DL_NONLINEAR_FAILURE with the residual reached. */

@@ -1,0 +1,32 @@
+/* The parts of the conserving step's solver (conserving_solver.h) and what they share. */
+#ifndef DL_METHODS_CONSERVING_PARTS_H
+#define DL_METHODS_CONSERVING_PARTS_H
+
+#include "methods/conserving_solver.h"
+
+/* --- conserving_system.c: the equations as KINSOL calls them -------------------------------------
+ */
+
+/* Residuals within this part of the displacement that no longer fall are roundoff. */
+extern const double dl_conserving_roundoff;
+
+/* Forgets the residuals of an earlier attempt. */
+void dl_conserving_begin(dl_conserving_solver *solver);
+
+/* delta -> h v + (h^2/2) a(q, q + delta), pairs that cross a jump solved (model/crossings.c). */
+int dl_conserving_map(N_Vector u, N_Vector image, void *user_data);
+
+/* delta - h v - (h^2/2) a(q, q + delta). */
+int dl_conserving_residual(N_Vector u, N_Vector f, void *user_data);
+
+/* The same for Picard's iteration, which is given up where it gets nowhere. */
+int dl_conserving_picard(N_Vector u, N_Vector f, void *user_data);
+
+/* --- conserving_linear.c ------------------------------------------------------------------------
+ */
+
+/* The linear solver that the kind needs, made and attached to KINSOL; false where it cannot be. */
+bool dl_conserving_attach(dl_conserving_solver *solver);
+void dl_conserving_detach(dl_conserving_solver *solver);
+
+#endif

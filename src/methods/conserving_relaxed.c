@@ -1,0 +1,161 @@
+/* TR171's scheme as its FORTRAN program solves it (appendix; S.T. Jones): a relaxed nonlinear
+ * iteration on places and velocities, which begins at the state of the step's start,
+ *
+ *     x <- (1 - omega) x + omega (x0 + (h/2)(v0 + v))        all particles, then
+ *     v <- (1 - omega) v + omega (v0 + h a(x0, x))           with the new x,
+ *
+ * until no component of x or v changes by more than eps. It works in the scene's frame and adds
+ * nothing up with compensation: for comparison. */
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "methods/options.h"
+#include "methods/registry.h"
+
+typedef struct relaxed_options {
+    double step, omega, eps;
+    long iterations;
+} relaxed_options;
+
+static const dl_parameter options[] = {
+    DL_OPTION_FIXED_STEP(relaxed_options),
+    {.name = "omega",
+     .kind = DL_REAL,
+     .offset = offsetof(relaxed_options, omega),
+     .unit = "",
+     .minimum = 0,
+     .maximum = 2,
+     .above_minimum = true,
+     .fallback = "1",
+     .doc = "relaxation: 1 takes each iterate as it is, less a part of it"},
+    {.name = "eps",
+     .kind = DL_REAL,
+     .offset = offsetof(relaxed_options, eps),
+     .unit = "length and length/time",
+     .minimum = 0,
+     .maximum = INFINITY,
+     .above_minimum = true,
+     .fallback = "1e-13",
+     .doc = "change of a place or velocity at which an iteration is the last"},
+    {.name = "iterations",
+     .kind = DL_INTEGER,
+     .offset = offsetof(relaxed_options, iterations),
+     .unit = "",
+     .minimum = 1,
+     .maximum = 100000,
+     .fallback = "1000",
+     .doc = "iterations allowed in a step"},
+};
+
+typedef struct relaxed {
+    double *y;     /* iterate, [2 n]: x | v */
+    double *delta; /* x - x0, [n] */
+    double *a;     /* [n] */
+    unsigned long steps, iterations;
+} relaxed;
+
+/* value <- (1 - omega) value + omega to; returns by how much it changes. */
+static double relax(double *value, double to, double omega) {
+    const double before = *value;
+    *value = (1 - omega) * before + omega * to;
+    return fabs(*value - before);
+}
+
+/* One iteration; *change is the largest of a component. */
+static dl_status iterate(dl_method *method, double *change, dl_error *error) {
+    relaxed *const data = method->data;
+    const double h = method->step, omega = ((const relaxed_options *)method->options)->omega;
+    const size_t n = method->n;
+    const double *const x0 = method->y, *const v0 = method->y + n;
+    double *const x = data->y, *const v = data->y + n;
+    *change = 0;
+    for (size_t i = 0; i < n; i++) {
+        *change = fmax(*change, relax(&x[i], x0[i] + h / 2 * (v0[i] + v[i]), omega));
+        data->delta[i] = x[i] - x0[i];
+    }
+    const dl_status status =
+        dl_model_discrete_acceleration(method->model, x0, data->delta, data->a, error);
+    for (size_t i = 0; i < n && !status; i++)
+        *change = fmax(*change, relax(&v[i], v0[i] + h * data->a[i], omega));
+    data->iterations++;
+    return status;
+}
+
+static dl_status relaxed_advance(dl_method *method, double t_stop, dl_error *error) {
+    (void)t_stop;
+    relaxed *const data = method->data;
+    const relaxed_options *const chosen = method->options;
+    const size_t bytes = 2 * method->n * sizeof *data->y;
+    double change = INFINITY;
+    memcpy(data->y, method->y, bytes);
+    for (long k = 0; k < chosen->iterations && change > chosen->eps; k++) {
+        const dl_status status = iterate(method, &change, error);
+        if (status)
+            return status;
+    }
+    if (change > chosen->eps)
+        return dl_fail(error, DL_NONLINEAR_FAILURE,
+                       "the step's system did not converge in %ld relaxed iterations: the last "
+                       "changed a component by %.3g, eps is %g",
+                       chosen->iterations, change, chosen->eps);
+    memcpy(method->y, data->y, bytes);
+    data->steps++;
+    dl_method_count_step(method);
+    return DL_OK;
+}
+
+static dl_status relaxed_create(dl_method *method, dl_error *error) {
+    relaxed *const data = method->data = calloc(1, sizeof *data);
+    if (!data)
+        return dl_fail_memory(error, "the relaxed iteration");
+    method->step = ((const relaxed_options *)method->options)->step;
+    data->y = malloc((2 * method->n + 1) * sizeof *data->y);
+    data->delta = malloc((method->n + 1) * sizeof *data->delta);
+    data->a = malloc((method->n + 1) * sizeof *data->a);
+    return data->y && data->delta && data->a ? DL_OK
+                                             : dl_fail_memory(error, "the relaxed iteration");
+}
+
+static dl_status relaxed_jumped(dl_method *method, dl_error *error) {
+    (void)method;
+    (void)error;
+    return DL_OK;
+}
+
+static void relaxed_stats(const dl_method *method, dl_method_stats *stats) {
+    const relaxed *const data = method->data;
+    stats->steps = data->steps;
+    stats->nonlinear_iterations = data->iterations;
+}
+
+static void relaxed_destroy(dl_method *method) {
+    relaxed *const data = method->data;
+    if (!data)
+        return;
+    free(data->y);
+    free(data->delta);
+    free(data->a);
+    free(data);
+}
+
+static const dl_method_ops ops = {
+    .create = relaxed_create,
+    .advance = relaxed_advance,
+    .jumped = relaxed_jumped,
+    .stats = relaxed_stats,
+    .destroy = relaxed_destroy,
+};
+
+const dl_method_row dl_method_conserving_relaxed = {
+    .name = "conserving-relaxed",
+    .family = "conserving",
+    .doc = "TR171's energy-conserving scheme by the relaxed iteration of its FORTRAN appendix",
+    .order = 2,
+    .flags = DL_TIME_SYMMETRIC | DL_CONSERVES_ENERGY | DL_CONSERVES_MOMENTUM | DL_IMPLICIT |
+             DL_FIXED_STEP | DL_RESTARTS_EXACTLY,
+    .options = DL_OPTIONS_TABLE(options),
+    .options_size = sizeof(relaxed_options),
+    .ops = &ops,
+};
