@@ -3,6 +3,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include "driftlab/reference.h"
 #include "driftlab/results.h"
 
 enum { OPTIONS_SIZE = 512 };
@@ -185,8 +186,7 @@ void dl_results_print(const dl_results *results, FILE *out) {
         print_scene(results, scene, out);
         print_refused(results, scene, out);
         if (reference)
-            fprintf(out, "  reference: %s; own error %.2g\n", reference->description,
-                    reference->error);
+            dl_reference_print(reference, "  ", out);
     }
     for (size_t s = 0; s < results->scenes; s++) {
         dl_results_answer(results, results->scene[s].name, answer, sizeof answer);

@@ -1,10 +1,8 @@
 /* Which points are not what they claim. */
 #include <math.h>
 #include <stdio.h>
+#include "driftlab/reference.h"
 #include "study/measure.h"
-
-/* An error smaller than this many times the reference's own says nothing. */
-static const double resolution = 3;
 
 /* An adaptive run stops at every sample. With fewer steps than this many an interval, it is the
  * sampling that chose a good part of them. */
@@ -44,8 +42,13 @@ void dl_study_judge_position(const dl_case *measured, const dl_reference *refere
                  run->message);
     else if (reference && !isfinite(measured->position_error))
         snprintf(reason, size, "no position error at the end");
-    else if (reference && measured->position_error < resolution * reference->error)
+    else if (reference && reference->horizon > 0 && reference->horizon <= run->t_end_reached)
         snprintf(reason, size,
-                 "the position error %.2g is below three times the reference's own error %.2g",
+                 "the end, t = %.6g, is past the horizon, t = %.4g: position errors there "
+                 "mean nothing",
+                 run->t_end_reached, reference->horizon);
+    else if (reference && measured->position_error < DL_REFERENCE_MARGIN * reference->error)
+        snprintf(reason, size,
+                 "the position error %.2g is below a hundred times the reference's own error %.2g",
                  measured->position_error, reference->error);
 }

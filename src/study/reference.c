@@ -1,7 +1,10 @@
-/* References: a tight run whose own error a second one measures, or the exact solution. */
+/* References: extended precision, or a tight run whose own error a second one measures, or the
+ * exact solution. */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "reference/horizon.h"
 #include "study/child.h"
 #include "study/kepler.h"
 #include "study/measure.h"
@@ -84,15 +87,21 @@ static dl_status allocate(const dl_study *study, const dl_study_scene *on, dl_re
         .key = dl_text("%s", on->reference_key),
         .scene = dl_text("%s", scene->name),
         .description = dl_text("%s", on->reference_text),
+        .precision = dl_text("%s", study->reference == DL_REFERENCE_EXACT ? "exact" : ""),
+        .note = dl_text("%s", ""),
         .samples = samples,
         .particles = scene->particles,
         .dimension = scene->dimension,
         .time = calloc(samples, sizeof(double)),
         .sample_error = calloc(samples, sizeof(double)),
+        .growth = calloc(samples, sizeof(double)),
         .position = calloc(samples * (size_t)scene->dimension * scene->particles, sizeof(double)),
+        .position_low =
+            calloc(samples * (size_t)scene->dimension * scene->particles, sizeof(double)),
     };
-    return reference->key && reference->scene && reference->description && reference->time &&
-                   reference->sample_error && reference->position
+    return reference->key && reference->scene && reference->description && reference->precision &&
+                   reference->note && reference->time && reference->sample_error &&
+                   reference->growth && reference->position && reference->position_low
                ? DL_OK
                : dl_fail_memory(error, "a reference");
 }
@@ -120,8 +129,7 @@ static dl_status receive(void *context, const void *data, size_t size, dl_error 
     }
     for (size_t i = 0; i < found.samples; i++)
         reference->sample_error[i] =
-            dl_position_distance(work->on->scene, reference->position + i * work->stride,
-                                 position + i * work->stride, NULL);
+            dl_reference_distance(work->on->scene, reference, i, position + i * work->stride, NULL);
     reference->error = reference->sample_error[found.samples - 1];
     return DL_OK;
 }
@@ -155,20 +163,16 @@ static dl_status solve_exactly(const dl_study_scene *on, dl_reference *reference
         /* as dl_schedule_time has it */
         reference->time[i] = i + 1 == reference->samples ? on->end : (double)i * on->sample;
         status = dl_kepler_position(on->scene, reference->time[i], reference->position + i * stride,
-                                    error);
+                                    reference->position_low + i * stride, error);
     }
     return status;
 }
 
-dl_status dl_study_measure_reference(const dl_study *study, const dl_study_scene *on,
-                                     const dl_watch *watch, dl_reference *reference,
-                                     dl_error *error) {
-    dl_error why = {""};
+/* A run of a method and its check, or the exact solution. */
+static dl_status measure_in_double(const dl_study *study, const dl_study_scene *on,
+                                   const dl_watch *watch, dl_reference *reference,
+                                   dl_error *error) {
     dl_status status = allocate(study, on, reference, error);
-    if (status != DL_OK) {
-        dl_reference_release(reference);
-        return status;
-    }
     reference_work work = {
         .study = study,
         .on = on,
@@ -177,11 +181,89 @@ dl_status dl_study_measure_reference(const dl_study *study, const dl_study_scene
         .room = reference->samples + 1,
         .stride = (size_t)on->scene->dimension * on->scene->particles,
     };
-    status = study->reference == DL_REFERENCE_EXACT ? solve_exactly(on, reference, &why)
-                                                    : run_reference(&work, &why);
+    if (status == DL_OK)
+        status = study->reference == DL_REFERENCE_EXACT ? solve_exactly(on, reference, error)
+                                                        : run_reference(&work, error);
+    if (status == DL_OK && study->reference == DL_REFERENCE_RUNS)
+        status = dl_reference_length(on->scene, &reference->length, error);
+    if (status == DL_OK)
+        dl_reference_set_horizon(on->scene, reference, NULL, 1, DBL_EPSILON);
+    else
+        dl_reference_release(reference);
+    return status;
+}
+
+static dl_status measure_extended(const dl_study *study, const dl_study_scene *on,
+                                  const dl_watch *watch, dl_precision precision,
+                                  dl_reference *reference, dl_error *error) {
+    const bool asks_position = strcmp(dl_study_measures[study->settings.asked_in], "position") == 0;
+    const dl_reference_request request = {
+        .precision = precision,
+        .end = on->end,
+        .intervals = (size_t)study->settings.samples,
+        .wanted = asks_position ? study->settings.asked_error / DL_REFERENCE_MARGIN : 0,
+        .seconds = study->reference_seconds,
+        .memory = study->limits.memory,
+        .interrupt = watch->interrupt,
+        .on_tick = watch->tick,
+        .context = watch->context,
+    };
+    dl_status status = dl_reference_compute(on->scene, &request, reference, error);
+    if (status != DL_OK)
+        return status;
+    reference->key = dl_text("%s", on->reference_key);
+    reference->scene = dl_text("%s", on->scene->name);
+    return reference->key && reference->scene ? DL_OK : dl_fail_memory(error, "a reference");
+}
+
+static dl_status seal(dl_reference *reference, dl_error *error) {
+    free(reference->digest);
+    reference->digest = dl_reference_digest(reference);
+    return reference->digest ? DL_OK : dl_fail_memory(error, "a reference");
+}
+
+static dl_status measure(const dl_study *study, const dl_study_scene *on, const dl_watch *watch,
+                         dl_precision precision, dl_reference *reference, dl_error *error) {
+    dl_error why = {""};
+    *reference = (dl_reference){0};
+    dl_status status = study->reference == DL_REFERENCE_EXTENDED
+                           ? measure_extended(study, on, watch, precision, reference, &why)
+                           : measure_in_double(study, on, watch, reference, &why);
+    if (status == DL_OK)
+        status = seal(reference, &why);
     if (status == DL_OK)
         return DL_OK;
     dl_reference_release(reference);
     return dl_fail(error, status, "%s: the reference of %s failed: %.900s", study->path,
                    on->scene->name, why.message);
+}
+
+dl_status dl_study_measure_reference(const dl_study *study, const dl_study_scene *on,
+                                     const dl_watch *watch, dl_reference *reference,
+                                     dl_error *error) {
+    return measure(study, on, watch, study->precision, reference, error);
+}
+
+dl_status dl_study_improve_reference(const dl_study *study, const dl_study_scene *on,
+                                     const dl_watch *watch, dl_reference *reference, bool *improved,
+                                     dl_error *error) {
+    char text[DL_MESSAGE_SIZE];
+    dl_error why = {""};
+    dl_reference better;
+    *improved = false;
+    if (!dl_reference_quad_is_too_slow(reference, study->reference_seconds, text, sizeof text)) {
+        const dl_status status = measure(study, on, watch, DL_PRECISION_QUAD, &better, &why);
+        if (status == DL_OK) {
+            dl_reference_release(reference);
+            *reference = better;
+            *improved = true;
+            return DL_OK;
+        }
+        if (status == DL_INTERRUPTED || status == DL_MEMORY)
+            return dl_fail(error, status, "%s", why.message);
+        snprintf(text, sizeof text, "%.900s", why.message);
+    }
+    free(reference->note);
+    reference->note = dl_text("%s", text);
+    return reference->note ? seal(reference, error) : dl_fail_memory(error, "a reference");
 }
