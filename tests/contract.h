@@ -29,7 +29,7 @@ typedef struct rig {
 
 /* "key=value key=value" into options; fails the test where one is refused. */
 FIXTURE void set_options(const dl_method_row *row, void *options, const char *text) {
-    char copy[256];
+    char copy[512];
     snprintf(copy, sizeof copy, "%s", text);
     char *rest = NULL;
     for (char *word = strtok_r(copy, " ", &rest); word; word = strtok_r(NULL, " ", &rest)) {
@@ -47,6 +47,8 @@ FIXTURE rig rig_open_at(const dl_method_row *row, dl_scene *scene, const char *o
                         const double *y0) {
     rig r = {.scene = scene, .row = row};
     dl_error error = {""};
+    if (row->flags & DL_SPLITS_FORCE)
+        fixture_split(scene);
     if (dl_model_create(scene, &r.model, &error))
         fail_msg("model: %s", error.message);
     r.length = 2 * r.model->unknowns;
@@ -120,15 +122,44 @@ FIXTURE bool has_option(const dl_method_row *row, const char *name) {
     return dl_parameter_find(row->options, name) != NULL;
 }
 
+/* The tolerances of a row that chooses its step. */
+FIXTURE const char *tolerance_options(const dl_method_row *row, char text[64], double rtol,
+                                      double atol) {
+    const int length = snprintf(text, 64, "rtol=%g", rtol);
+    if (has_option(row, "atol"))
+        snprintf(text + length, 64 - (size_t)length, " atol=%g", atol);
+    return text;
+}
+
+/* What errors of rtol in each step amount to: rtol^(p/(p+1)) with order p, felt where that is low.
+ */
+FIXTURE double error_of(const dl_method_row *row, double rtol) {
+    return row->order == 1 || row->order == 2 ? pow(rtol, row->order / (row->order + 1.0)) : rtol;
+}
+
 /* Options under which every row follows the fixtures closely: a short step, or tight tolerances
- * where the method chooses its step. */
+ * where the method chooses its step; less tight where they would need too many steps. */
 FIXTURE const char *close_options(const dl_method_row *row, char text[64], double step,
                                   double rtol) {
+    static const double least[] = {0, 1e-4, 1e-7}; /* by order */
+    if (row->flags & DL_ADAPTIVE && row->order <= 2)
+        rtol = fmax(rtol, least[row->order]);
     if (row->flags & DL_ADAPTIVE)
-        snprintf(text, 64, "rtol=%g atol=%g", rtol, rtol / 100);
-    else
-        snprintf(text, 64, "step=%.17g", step);
+        return tolerance_options(row, text, rtol, rtol / 100);
+    snprintf(text, 64, "step=%.17g", step);
     return text;
+}
+
+/* How near close_options come, for those rows; `error` for all others. */
+FIXTURE double near(const dl_method_row *row, double error) {
+    static const double least[] = {0, 3e-2, 1e-4};
+    return row->flags & DL_ADAPTIVE && row->order <= 2 ? fmax(error, least[row->order]) : error;
+}
+
+/* Of a row whose tolerances are those of its equations, too: so tight that these are solved. */
+FIXTURE const char *solved_options(const dl_method_row *row) {
+    const dl_parameter *const rtol = dl_parameter_find(row->options, "rtol");
+    return rtol && !rtol->when ? "rtol=1e-12 atol=1e-14" : "";
 }
 
 /* Fitted slope of log(error) over log(step). */
@@ -150,5 +181,16 @@ FIXTURE double fitted_order(const double *step, const double *error, size_t poin
 #define FOR_EACH_ROW(row)                                                                          \
     for (size_t row##_index = 0; row##_index < dl_method_count(); row##_index++)                   \
         for (const dl_method_row *row = dl_method_row_at(row##_index); row; row = NULL)
+
+/* But those that split the force, for scenes of which all is one part. */
+#define FOR_EACH_UNSPLIT_ROW(row)                                                                  \
+    FOR_EACH_ROW(row)                                                                              \
+    if (!(row->flags & DL_SPLITS_FORCE))
+
+/* Nor the average of a force along the way, which ends its parts at the breakpoints itself, nor
+ * what is of order 1, for which following closely takes for ever. */
+#define FOR_EACH_LOCATING_ROW(row)                                                                 \
+    FOR_EACH_UNSPLIT_ROW(row)                                                                      \
+    if (row->order != 1 && strcmp(row->name, "conserving-average-vector-field") != 0)
 
 #endif

@@ -142,6 +142,8 @@ static void lists_every_method(void **state) {
         const json_t *method = json_array_get(list, i);
         assert_string_equal(text_of(method, "name"), row->name);
         assert_int_equal(count_of(method, "order"), row->order);
+        assert_int_equal(count_of(method, "stages"), row->stages);
+        assert_int_equal(count_of(method, "forces"), row->forces);
         assert_true(json_array_size(json_object_get(method, "properties")) > 0);
         const json_t *options = json_object_get(method, "options");
         assert_int_equal(json_array_size(options), row->options.count);

@@ -1,5 +1,6 @@
 /* Resting contacts that end because nothing presses any more: the neighbour that did has gone
  * beyond the cutoff. Against exact solutions, for every method. */
+#include "contract.h"
 #include "fixture_runs.h"
 
 /* A ball on a side wall, pressed to it by a body so inert that it flies straight on, away from the
@@ -58,8 +59,8 @@ static void check_fall(const dl_method_row *row, const dl_scene *scene) {
 static void what_hung_on_a_wall_falls(void **state) {
     (void)state;
     dl_scene *const scene = ball_with("", "true", "gravity: [0, -2]\n", 1.5);
-    for (size_t m = 0; m < dl_method_count(); m++)
-        check_fall(dl_method_row_at(m), scene);
+    FOR_EACH_LOCATING_ROW(row)
+    check_fall(row, scene);
     dl_scene_free(scene);
 }
 
@@ -82,8 +83,7 @@ static void what_is_pressed_again_rests_again(void **state) {
     static const char second[] =
         "  - {at: [0.6, 2.3], velocity: [0, -1], inertia: 1.0e18, coupling: 1, gravity: false}\n";
     dl_scene *const scene = ball_with(second, "true", "", 3.51);
-    for (size_t m = 0; m < dl_method_count(); m++) {
-        const dl_method_row *const row = dl_method_row_at(m);
+    FOR_EACH_LOCATING_ROW(row) {
         finished run = run_closely(scene, row);
         for (size_t c = 0; c < 4; c++)
             check(row, "the ball's coordinate", run.y[3 * c], 0, 0);
@@ -103,8 +103,7 @@ static void what_is_pulled_away_later_leaves(void **state) {
         "  - {terms: [{coefficient: -1.0e-3, power: 2}]}\n";
     const double c = 1e-3, s = 0.99;
     dl_scene *const scene = ball_with("", "true", pieces, 1.5 + s);
-    for (size_t m = 0; m < dl_method_count(); m++) {
-        const dl_method_row *const row = dl_method_row_at(m);
+    FOR_EACH_LOCATING_ROW(row) {
         finished run = run_closely(scene, row);
         check(row, "x", run.y[0] / (c * (s / 2 - log1p(s / 2))), 1, 1e-3);
         check(row, "v_x", run.y[4] / (c * (0.5 - 1 / (2 + s))), 1, 1e-3);

@@ -35,23 +35,34 @@ static dl_pair_law located_law(void) {
 /* --- runs --------------------------------------------------------------------------------------
  */
 
+static bool chooses_its_step(const dl_method_row *row) {
+    return (row->flags & DL_ADAPTIVE) != 0;
+}
+
 /* With which every method follows a bounce closely. */
 static const char *closely(const dl_method_row *row, char text[96], double end) {
     if (strcmp(row->name, "arkode-erk") == 0)
         snprintf(text, 96, "rtol=1e-13 atol=1e-14 table=fehlberg-8");
-    else if (row->flags & DL_ADAPTIVE)
+    else if (!has_option(row, "atol") && chooses_its_step(row))
+        snprintf(text, 96, "rtol=1e-9");
+    else if (chooses_its_step(row))
         snprintf(text, 96, "rtol=%s atol=1e-14",
-                 row->order == 4 || row->order == 5 ? "1e-12" : "1e-13");
+                 row->order == 2                      ? "1e-9"
+                 : row->order == 4 || row->order == 5 ? "1e-12"
+                                                      : "1e-13");
     else
-        snprintf(text, 96, "step=%.17g", end / (row->order == 2 ? 2048 : 1024));
+        snprintf(text, 96, "step=%.17g", end / (row->order <= 3 ? 2048 : 1024));
     return text;
 }
 
 /* What is left of the position's error then. */
 static double close_error(const dl_method_row *row) {
-    if (strcmp(row->family, "CVODE") == 0 || strcmp(row->name, "gsl-msadams") == 0)
-        return 1e-8; /* restarted at order 1 */
-    return row->order == 2 ? 1e-5 : row->order == 4 ? 2e-8 : 2e-12;
+    static const double of_order[] = {2e-12, 0, 1e-5, 1e-6, 2e-8, 1e-10};
+    if (strcmp(row->family, "CVODE") == 0 || strncmp(row->name, "gsl-ms", 6) == 0)
+        return strcmp(row->name, "gsl-msbdf") == 0 ? 1e-7 : 1e-8; /* restarted at order 1 */
+    if (chooses_its_step(row) && row->order > 2)
+        return row->order == 4 || row->order == 5 ? 1e-10 : 2e-12;
+    return row->order <= 5 ? of_order[row->order] : 2e-12;
 }
 
 static finished run_settings(const dl_scene *scene, const dl_method_row *row, const char *settings,
@@ -96,7 +107,7 @@ static void every_method_is_exact_on_a_bounce(void **state) {
     const double from = 0.61, speed = 26.3;
     const dl_pair_law law = located_law();
     const double expected = fixture_bounce_exact(&law, from, speed);
-    FOR_EACH_ROW(row) {
+    FOR_EACH_LOCATING_ROW(row) {
         dl_scene *const scene = fixture_bounce(&law, from, speed);
         finished run = follow_closely(scene, row);
         print_message("%-28s %6lu forces, off by %.1e, energy by %.1e\n", row->name,
@@ -208,14 +219,19 @@ static void steps_from_afar_are_seen(void **state) {
     const dl_pair_law law = located_law();
     const double from = 5, speed = 26.3, end = 0.4;
     const double expected = fixture_bounce_exact(&law, from, speed) + speed * (end - bounce_time);
-    FOR_EACH_ROW(row) {
+    FOR_EACH_LOCATING_ROW(row) {
         dl_scene *const scene = fixture_bounce(&law, from, speed);
         scene->end = end;
         scene->step = 1e-5;
-        finished run =
-            row->flags & DL_ADAPTIVE ? follow_closely(scene, row) : follow(scene, row, "step=0.1");
-        assert_int_equal(run.summary.crossings, 2);
-        if (row->flags & DL_ADAPTIVE)
+        const dl_run_options how = run_options(0, end);
+        finished run = chooses_its_step(row) ? follow_closely(scene, row)
+                                             : run_settings(scene, row, "step=0.1", &how);
+        /* a stage of so long a step may be deep within the core, and whither it is thrown is open
+         */
+        assert_true(run.summary.crossings > 0);
+        if (chooses_its_step(row) || strcmp(row->name, "leapfrog") == 0)
+            assert_int_equal(run.summary.crossings, 2);
+        if (chooses_its_step(row))
             assert_near(row, "the distance", run.y[1], expected, 10 * close_error(row));
         free(run.y);
         dl_scene_free(scene);
@@ -237,7 +253,7 @@ static void grazing_pairs_pass_or_turn_back(void **state) {
     (void)state;
     static const double beyond[] = {1 + 1e-12, 1 + 1e-6, 1.01};
     static const double within[] = {1 - 1e-9, 1 - 1e-6, 1 - 1e-3, 0.9};
-    FOR_EACH_ROW(row) {
+    FOR_EACH_LOCATING_ROW(row) {
         for (size_t k = 0; k < sizeof beyond / sizeof *beyond; k++) {
             dl_scene *const scene = graze(beyond[k]);
             finished run = follow_closely(scene, row);
@@ -305,7 +321,7 @@ static void pairs_cross_in_the_same_step(void **state) {
     static const double from[] = {0.61, 0.63, 0.63 + 1e-9, 0.645, 0.645, 0.61 + 1e-13};
     enum { count = sizeof from / sizeof *from };
     const dl_pair_law law = located_law();
-    FOR_EACH_ROW(row) {
+    FOR_EACH_LOCATING_ROW(row) {
         dl_scene *const scene = bounces(&law, count, from, 26.3);
         finished run = follow_closely(scene, row);
         assert_int_equal(run.summary.crossings, 2 * count);
@@ -334,12 +350,12 @@ static void pairs_cross_at_the_same_time(void **state) {
     (void)state;
     static const double from[] = {0.61, 0.61, 0.61, 0.61};
     const dl_pair_law law = located_law();
-    FOR_EACH_ROW(row) {
+    FOR_EACH_LOCATING_ROW(row) {
         dl_scene *const one = bounces(&law, 1, from, 26.3), *const all =
                                                                 bounces(&law, 4, from, 26.3);
         finished alone = follow_closely(one, row), together = follow_closely(all, row);
         assert_int_equal(together.summary.crossings, 8);
-        if (row->flags & DL_FIXED_STEP && !(row->flags & DL_ADAPTIVE)) {
+        if (row->flags & DL_FIXED_STEP && !chooses_its_step(row)) {
             assert_int_equal(together.summary.steps, alone.summary.steps);
             assert_true(together.summary.rejected_steps <= alone.summary.rejected_steps + 4);
         }
@@ -387,7 +403,7 @@ static void walls_are_hit_between_crossings(void **state) {
     const double hit[] = {enters, leaves, enters + 1e-7, leaves - 1e-6, 0.3 * leaves};
     enum { others = sizeof hit / sizeof *hit, n = 2 + others };
     for (int mirror = 0; mirror <= 1; mirror++)
-        FOR_EACH_ROW(row) {
+        FOR_EACH_LOCATING_ROW(row) {
             dl_scene *scene = fixture_scene("crossings-and-walls", 2, n);
             scene->law = law;
             scene->end = bounce_time;
@@ -454,8 +470,8 @@ static void the_first_of_close_events_is_the_first(void **state) {
 /* A mirror's image may be on another side of a breakpoint, without a crossing. */
 static void images_are_where_they_are(void **state) {
     (void)state;
-    FOR_EACH_ROW(row)
-    if (!(row->flags & DL_ADAPTIVE)) {
+    FOR_EACH_LOCATING_ROW(row)
+    if (!chooses_its_step(row)) {
         dl_pair_law law = located_law();
         law.piece[0].term[0].coefficient = law.piece[0].term[1].coefficient = 1e-12;
         dl_scene *scene = fixture_bounce(&law, 0.2, -1);
@@ -489,7 +505,7 @@ static void pairs_move_in_three_dimensions(void **state) {
     for (int t = 0; t < 2; t++)
         scaled.piece[0].term[t].coefficient *= coupling[0] * coupling[1] / reduced;
     const double expected = fixture_bounce_exact(&scaled, from, speed);
-    FOR_EACH_ROW(row) {
+    FOR_EACH_LOCATING_ROW(row) {
         dl_scene *scene = fixture_scene("aslant", 3, 2);
         scene->law = law;
         scene->end = bounce_time;
@@ -537,7 +553,7 @@ static void species_have_breakpoints_of_their_own(void **state) {
         "time: {step: 0.001, end: 0.05}\n";
     const dl_pair_law one = located_law();
     const dl_pair_law two = {1, {{.until = 0.375, .terms = 1, .term = {{60, 1.5}}}}};
-    FOR_EACH_ROW(row) {
+    FOR_EACH_LOCATING_ROW(row) {
         dl_scene *const scene = scene_of_text(text);
         finished run = follow_closely(scene, row);
         assert_int_equal(run.summary.crossings, 4);
@@ -552,7 +568,7 @@ static void species_have_breakpoints_of_their_own(void **state) {
 static void copies_cross(void **state) {
     (void)state;
     const dl_pair_law law = located_law();
-    FOR_EACH_ROW(row) {
+    FOR_EACH_LOCATING_ROW(row) {
         dl_scene *scene = fixture_bounce(&law, 0.61, 26.3);
         scene->periods.present = true;
         scene->periods.length[0] = 3;
@@ -576,7 +592,7 @@ static void a_cutoff_of_half_a_period(void **state) {
     dl_law prepared;
     dl_law_prepare(&law, &prepared);
     const double turn = fixture_turning_point(&prepared, speed * speed / 2, 0.25);
-    FOR_EACH_ROW(row) {
+    FOR_EACH_LOCATING_ROW(row) {
         dl_scene *scene = fixture_bounce(&law, turn, 0);
         scene->periods.present = true;
         scene->periods.length[0] = 0.5;
@@ -600,7 +616,7 @@ static void a_step_may_pass_several_breakpoints(void **state) {
                               {.until = 1, .terms = 1, .term = {{0.5, 3}}, .located = true}}};
     dl_law prepared;
     dl_law_prepare(&law, &prepared);
-    FOR_EACH_ROW(row) {
+    FOR_EACH_LOCATING_ROW(row) {
         dl_scene *scene = fixture_scene("steps", 2, 2);
         scene->law = law;
         scene->end = 1;
@@ -636,7 +652,7 @@ static void a_pair_may_begin_on_its_breakpoint(void **state) {
     const double expected[] = {0.25 + speed * (bounce_time - inside), 0.25 + speed * bounce_time,
                                0.25};
     const double velocity[] = {-speed, speed, 0};
-    FOR_EACH_ROW(row)
+    FOR_EACH_LOCATING_ROW(row)
     for (size_t k = 0; k < 3; k++)
         for (int above = -1; above <= 1; above++) {
             dl_scene *scene = fixture_bounce(&law, 0.25 + above * 0x1p-54, -velocity[k]);
@@ -679,7 +695,7 @@ static void radiation_finds_pairs_where_they_are(void **state) {
     const dl_pair_law law = located_law();
     const double speed = 32, enters = 1.0 / 64;
     const double from[2] = {0.25 + speed * enters, 0.25 + speed * (enters - 1e-3)};
-    FOR_EACH_ROW(row) {
+    FOR_EACH_LOCATING_ROW(row) {
         dl_scene *scene = bounces(&law, 2, from, speed);
         scene->step = 1.0 / 1024;
         scene->end = 3 * enters;
@@ -691,9 +707,9 @@ static void radiation_finds_pairs_where_they_are(void **state) {
                                           .frame = DL_FRAME_LAB};
         finished reference = follow(scene, method_of("gsl-rk8pd"), "rtol=1e-13 atol=1e-14");
         char settings[96];
-        const char *const text = row->flags & DL_ADAPTIVE ? closely(row, settings, scene->end)
-                                 : row->order == 2        ? "step=1.52587890625e-05"
-                                                          : "step=3.0517578125e-05";
+        const char *const text = chooses_its_step(row) ? closely(row, settings, scene->end)
+                                 : row->order == 2     ? "step=1.52587890625e-05"
+                                                       : "step=3.0517578125e-05";
         finished run = follow(scene, row, text);
         assert_int_equal(run.summary.crossings, 4);
         assert_near(row, "one place", run.y[1], reference.y[1], 10 * close_error(row));
@@ -721,7 +737,7 @@ static void methods_agree_on_a_fluid(void **state) {
         scene->position[i] *= 0.8;
     finished reference = follow(scene, method_of("gsl-rk8pd"), "rtol=1e-13 atol=1e-14");
     assert_true(reference.summary.crossings > 50 && reference.summary.wall_hits > 20);
-    FOR_EACH_ROW(row) {
+    FOR_EACH_LOCATING_ROW(row) {
         finished run = follow_closely(scene, row);
         const double off = largest_difference(run.y, reference.y, 48);
         const double energy = run.summary.energy_error_max / run.summary.energy_scale;

@@ -155,6 +155,35 @@ static void points_that_are_no_errors_carry_their_reason(void **state) {
     dl_results_free(results);
 }
 
+/* Past the horizon, and where the reference cannot tell, there is no position error over time. */
+static void errors_over_time_end_at_the_horizon(void **state) {
+    (void)state;
+    dl_results *results = fixture_study();
+    dl_reference *reference = &results->reference[0];
+    const size_t last = reference->samples - 1;
+    reference->horizon = reference->time[last / 2];
+    reference->lyapunov = 3;
+    reference->lyapunov_error = 0.5;
+    reference->growth = calloc(reference->samples, sizeof *reference->growth);
+    results->cased[1].sample_position_error[3] = 50 * reference->sample_error[3];
+    results->cased[1].sample_position_error[4] = 150 * reference->sample_error[4];
+    char *page = render(results);
+    json_t *data = data_of(page);
+    const json_t *told =
+        json_object_get(json_array_get(json_object_get(data, "scenes"), 0), "reference");
+    assert_true(json_real_value(json_object_get(told, "horizon")) == reference->horizon);
+    assert_true(json_real_value(json_object_get(told, "lyapunov")) == 3);
+    const json_t *shown = json_object_get(
+        json_object_get(json_array_get(json_object_get(data, "cases"), 1), "samples"), "position");
+    assert_true(json_is_null(json_array_get(shown, 3)));
+    assert_false(json_is_null(json_array_get(shown, 4)));
+    for (size_t i = last / 2; i <= last; i++)
+        assert_true(json_is_null(json_array_get(shown, i)));
+    json_decref(data);
+    free(page);
+    dl_results_free(results);
+}
+
 static void the_cheapest_case_is_the_one_that_the_results_name(void **state) {
     (void)state;
     for (size_t s = 0; s < STUDIES; s++) {
@@ -343,6 +372,7 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_case_is_in_the_data_with_its_figures),
         cmocka_unit_test(points_that_are_no_errors_carry_their_reason),
+        cmocka_unit_test(errors_over_time_end_at_the_horizon),
         cmocka_unit_test(the_cheapest_case_is_the_one_that_the_results_name),
         cmocka_unit_test(foreign_text_cannot_become_markup),
         cmocka_unit_test(text_that_is_no_utf8_is_still_written),

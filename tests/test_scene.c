@@ -67,6 +67,7 @@ static const refusal refusals[] = {
     {"misspelt-column", {"misspelt-column.csv:1:", "\"coupilng\"", "did you mean \"coupling\"?"}},
     {"misspelt-key", {"misspelt-key.yaml:6:", "\"pair_lw\"", "did you mean \"pair_law\"?"}},
     {"misspelt-nested", {"misspelt-nested.yaml:10:", "\"stepp\"", "did you mean \"step\"?"}},
+    {"misspelt-part", {"misspelt-part.yaml:10:", "part", "\"slwo\"", "did you mean \"slow\"?"}},
     {"misspelt-word",
      {"misspelt-word.yaml:11:", "kernel", "\"neighbor-list\"", "did you mean \"neighbour-list\"?"}},
     {"nan-cell", {"nan-cell.csv:4:", "vx", "\"nan\"", "a number"}},

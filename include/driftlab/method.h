@@ -17,10 +17,12 @@ enum {
     DL_CONSERVES_ENERGY = 1 << 2,
     DL_CONSERVES_MOMENTUM = 1 << 3, /* linear and angular, to roundoff */
     DL_IMPLICIT = 1 << 4,
-    DL_ADAPTIVE = 1 << 5,   /* can choose its own step */
-    DL_FIXED_STEP = 1 << 6, /* can keep a given step */
-    DL_NEEDS_JACOBIAN = 1 << 7,
-    DL_RESTARTS_EXACTLY = 1 << 8, /* stop and restart from y gives the same bits as going on */
+    DL_ADAPTIVE = 1 << 5,         /* can choose its own step */
+    DL_FIXED_STEP = 1 << 6,       /* can keep a given step */
+    DL_NEEDS_JACOBIAN = 1 << 7,   /* with the options' defaults */
+    DL_RESTARTS_EXACTLY = 1 << 8, /* stop and restart from y gives the same bits as going on,
+                                     with the options' defaults */
+    DL_SPLITS_FORCE = 1 << 9,     /* needs a scene with a fast and a slow part (dl_model_split) */
 };
 
 typedef struct dl_method_stats {
@@ -29,6 +31,8 @@ typedef struct dl_method_stats {
     unsigned long nonlinear_iterations; /* of implicit methods */
     unsigned long linear_iterations;    /* of Krylov solvers */
     unsigned long factorisations;       /* of direct ones */
+    unsigned long inexact;              /* steps accepted at roundoff, above the tolerance */
+    unsigned long rescued; /* steps that a second solver found where the first failed */
 } dl_method_stats;
 
 typedef struct dl_method dl_method;
@@ -51,6 +55,13 @@ typedef struct dl_method_ops {
      * jumped, whatever is written to t and y. NULL: it has none as accurate as its steps. */
     int (*dense_degree)(const dl_method *method);
     dl_status (*dense)(dl_method *method, double t, int derivative, double *y_out, dl_error *error);
+    /* The state at t in a frame in uniform motion that the method keeps it in, y_out [2 n], but for
+     * that frame's place, and its velocity in the scene's frame; for scenes that look the same
+     * there. Far from the scene's origin y has lost digits that this state has. NULL: none. */
+    void (*own_frame)(const dl_method *method, double *y_out, double velocity[3]);
+    /* What the method has chosen by itself, and why, in a few words; "" where nothing. NULL: the
+     * same. */
+    void (*describe)(const dl_method *method, char *text, size_t size);
     void (*stats)(const dl_method *method, dl_method_stats *stats);
     void (*destroy)(dl_method *method); /* frees data; data may be NULL or half built */
 } dl_method_ops;
@@ -58,12 +69,15 @@ typedef struct dl_method_ops {
 /* A row of the registry. */
 typedef struct dl_method_row {
     const char *name;   /* "leapfrog", "composition-6-yoshida", "cvode-bdf" ... */
-    const char *family; /* "leap-frog", "composition", "ARKODE", "CVODE", "GSL", "conserving" */
+    const char *family; /* "leap-frog", "composition", "Gauss", "ARKODE", "conserving" ... */
     const char *doc;    /* one line, with the source */
     int order;          /* of convergence at fixed step; 0 where it varies */
+    int stages;         /* of a step; 0: it has none, or an option sets them */
+    int forces;         /* accelerations a step takes, but for a first one; 0: they vary */
     unsigned flags;
     dl_parameter_table options;
-    size_t options_size; /* of the structure the table describes */
+    size_t options_size; /* of the structure the table describes; its objects are longer: only
+                          * dl_method_options_create makes them */
     const void *variant; /* the family's own: a coefficient table, a solver choice ... */
     const dl_method_ops *ops;
 } dl_method_row;
@@ -95,12 +109,13 @@ dl_status dl_method_options_create(const dl_method_row *row, const dl_scene *sce
 /* Sets option `key`; DL_INPUT names the closest option where the method has no such one. */
 dl_status dl_method_options_set(const dl_method_row *row, void *options, const char *key,
                                 const char *value, dl_error *error);
-/* "step=0.01 order=4": every option, in table order. */
+/* "step=0.01 order=4": every option that is used as the others are set, in table order. */
 void dl_method_options_format(const dl_method_row *row, const void *options, char *text,
                               size_t size);
 void dl_method_options_free(const dl_method_row *row, void *options);
 
-/* `options` is copied. y0 [2 * unknowns]. */
+/* `options` is copied; one that was set although it is not used as the others are set is refused
+ * (dl_parameter.when). y0 [2 * unknowns]. */
 dl_status dl_method_create(const dl_method_row *row, dl_model *model, const void *options,
                            const double *y0, dl_method **method, dl_error *error);
 dl_status dl_method_advance(dl_method *method, double t_stop, dl_error *error);
@@ -110,6 +125,7 @@ dl_status dl_method_step_to(dl_method *method, double t, dl_error *error);
 void dl_method_return_to_grid(dl_method *method, unsigned long steps);
 dl_status dl_method_state(dl_method *method, double *y_out, dl_error *error);
 dl_status dl_method_jumped(dl_method *method, dl_error *error);
+void dl_method_describe(const dl_method *method, char *text, size_t size);
 void dl_method_stats_get(const dl_method *method, dl_method_stats *stats);
 void dl_method_destroy(dl_method *method);
 

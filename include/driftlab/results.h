@@ -10,16 +10,18 @@
  *                        question, asked_error, asked_in
  *     /facts/0000 ...    attributes: name, value
  *     /scenes/0000 ...   attributes: name, source; scalar text datasets: explain, text
- *     /references/0000   attributes: key, scene, description, error, samples, particles, dimension;
- *                        datasets: time [samples], sample_error [samples],
- *                        position [samples][dimension * particles]
+ *     /references/0000   attributes: key, digest, scene, description, precision, note, error,
+ *                        seconds, length, lyapunov, lyapunov_error, parted, horizon, samples,
+ *                        particles, dimension; datasets: time, sample_error, growth [samples],
+ *                        position, position_low [samples][dimension * particles]
  *     /cases/0000 ...    attributes: the fields of dl_case and, under the same names, of its
  *                        summary (status as its name); datasets: sample_time,
  *                        sample_energy_error, sample_position_error [samples]
  *
  * Groups stand in the order of the arrays. Text is UTF-8 of fixed length, reals are IEEE doubles
- * (NaN: does not apply), counts 64-bit unsigned integers. Lengths, times and energies are in the
- * scene's units; cpu_* in seconds. */
+ * (NaN: does not apply), counts 64-bit unsigned integers. The attributes choice, inexact_steps and
+ * rescued_steps of cases were added later: a file without them is read as if they were "" and 0.
+ * Lengths, times and energies are in the scene's units; cpu_* in seconds. */
 #ifndef DRIFTLAB_RESULTS_H
 #define DRIFTLAB_RESULTS_H
 
@@ -41,7 +43,7 @@ typedef struct dl_case {
     double cpu_median;         /* of the repeats; summary.cpu_seconds is the minimum */
     double position_error;     /* RMS over particles at the end, against the reference; NaN: none */
     double position_error_max; /* largest particle's at the end */
-    double position_error_ever; /* largest RMS at any sample */
+    double position_error_ever; /* largest RMS at any sample up to the horizon */
     size_t samples;
     double *sample_time, *sample_energy_error, *sample_position_error; /* [samples] */
     char *invalid; /* why the run is not what it claims, so that none of its errors counts ("" where
@@ -51,15 +53,25 @@ typedef struct dl_case {
 } dl_case;
 
 typedef struct dl_reference {
-    char *key; /* its identity, as a case's */
+    char *key;    /* its identity, as a case's */
+    char *digest; /* of the key and all that follows: what is kept from before is checked by it */
     char *scene;
     char *description; /* methods and tolerances, in words */
-    double error;      /* RMS position difference of the two methods at the end; 0: exact */
+    char *precision;   /* "long double", "quad"; "" for the methods' double, "exact" */
+    char *note;        /* why it is no better, or "" */
+    double error;      /* RMS position error of its own at the end; 0: exact */
+    double seconds;    /* CPU time of the trajectory itself */
+    double length;     /* mean distance to the nearest neighbour at the start; 0: not known */
+    double lyapunov, lyapunov_error; /* largest exponent and its standard error; 0: not measured */
+    double parted;  /* from when on its own error is above 1 % of `length`; 0: never */
+    double horizon; /* from when on errors against it mean nothing; 0: not before the end */
     size_t samples, particles;
     int dimension;
     double *time;         /* [samples] */
-    double *sample_error; /* [samples]: RMS difference of the two methods */
+    double *sample_error; /* [samples]: its own error, the largest so far */
+    double *growth;       /* [samples]: log of the factor by which small displacements have grown */
     double *position;     /* [samples][dimension * particles] */
+    double *position_low; /* what is to be added to it */
 } dl_reference;
 
 /* One named text of the provenance: "compiler", "machine", "sundials", "command" ... */

@@ -43,11 +43,13 @@ typedef struct dl_run_options {
 typedef struct dl_run_summary {
     dl_status status;
     char message[DL_MESSAGE_SIZE];
+    char choice[DL_MESSAGE_SIZE]; /* what the method has chosen by itself, and why; "": nothing */
     double t_end_reached;
     double step; /* fixed step; 0 for an adaptive run */
     unsigned long steps, rejected_steps;
     unsigned long force_evaluations, jacobian_evaluations, jacobian_vector_products;
     unsigned long nonlinear_iterations, linear_iterations, factorisations;
+    unsigned long inexact_steps, rescued_steps; /* dl_method_stats says which these are */
     unsigned long neighbour_list_builds, wall_hits;
     unsigned long contacts, releases; /* of particles that rest on located walls */
     unsigned long crossings;          /* of breakpoints, that were located */

@@ -32,11 +32,13 @@ static void print_methods(FILE *out) {
     }
 }
 
-static json_t *option_json(const dl_parameter *option) {
-    char range[256];
+static json_t *option_json(const dl_method_row *row, const dl_parameter *option) {
+    char range[1024];
     dl_parameter_range(option, range, sizeof range);
-    return json_pack("{s:s, s:s, s:s?, s:s, s:s}", "name", option->name, "range", range, "default",
-                     option->fallback, "unit", option->unit, "doc", option->doc);
+    const char *const when = dl_parameter_cause(row->options, option) ? option->when : NULL;
+    return json_pack("{s:s, s:s, s:s?, s:s, s:s, s:s?}", "name", option->name, "range", range,
+                     "default", option->fallback, "unit", option->unit, "doc", option->doc, "when",
+                     when);
 }
 
 static json_t *method_json(const dl_method_row *row) {
@@ -45,10 +47,10 @@ static json_t *method_json(const dl_method_row *row) {
         if (row->flags & flag->flag)
             json_array_append_new(properties, json_string(flag->words));
     for (size_t i = 0; i < row->options.count; i++)
-        json_array_append_new(choices, option_json(&row->options.rows[i]));
-    return json_pack("{s:s, s:s, s:s, s:i, s:o, s:o}", "name", row->name, "family", row->family,
-                     "doc", row->doc, "order", row->order, "properties", properties, "options",
-                     choices);
+        json_array_append_new(choices, option_json(row, &row->options.rows[i]));
+    return json_pack("{s:s, s:s, s:s, s:i, s:i, s:i, s:o, s:o}", "name", row->name, "family",
+                     row->family, "doc", row->doc, "order", row->order, "stages", row->stages,
+                     "forces", row->forces, "properties", properties, "options", choices);
 }
 
 static json_t *methods_json(void) {

@@ -12,6 +12,7 @@ const cli_flag_word cli_flag_words[] = {
     {DL_CONSERVES_MOMENTUM, "conserves momenta"},
     {DL_NEEDS_JACOBIAN, "needs a Jacobian"},
     {DL_RESTARTS_EXACTLY, "restarts exactly"},
+    {DL_SPLITS_FORCE, "splits the force"},
     {0, NULL},
 };
 
@@ -20,7 +21,7 @@ void cli_help_program(FILE *out) {
           "usage: driftlab COMMAND ...\n\n",
           out);
     for (const cli_command *const *command = cli_commands; *command; command++)
-        fprintf(out, "  %-8s %-24s %s\n", (*command)->name, (*command)->arguments,
+        fprintf(out, "  %-9s %-24s %s\n", (*command)->name, (*command)->arguments,
                 (*command)->summary);
     fputs("\n"
           "  driftlab COMMAND --help    options of a command\n"
@@ -59,9 +60,14 @@ void cli_help_command(const cli_command *command, FILE *out) {
 void cli_help_method(const dl_method_row *row, FILE *out) {
     fprintf(out, "%s  (%s, ", row->name, row->family);
     if (row->order)
-        fprintf(out, "order %d)\n", row->order);
+        fprintf(out, "order %d", row->order);
     else
-        fputs("order varies)\n", out);
+        fputs("order varies", out);
+    if (row->stages)
+        fprintf(out, ", %d stage%s", row->stages, row->stages == 1 ? "" : "s");
+    if (row->forces)
+        fprintf(out, ", %d force%s a step", row->forces, row->forces == 1 ? "" : "s");
+    fputs(")\n", out);
     fprintf(out, "    %s\n    ", row->doc);
     const char *separator = "";
     for (const cli_flag_word *flag = cli_flag_words; flag->flag; flag++)
@@ -72,12 +78,14 @@ void cli_help_method(const dl_method_row *row, FILE *out) {
     fputc('\n', out);
     for (size_t i = 0; i < row->options.count; i++) {
         const dl_parameter *option = &row->options.rows[i];
-        char range[256];
+        char range[1024];
         dl_parameter_range(option, range, sizeof range);
         fprintf(out, "    %-16s %-18s default %-12s %s", option->name, range,
                 option->fallback ? option->fallback : "the scene's", option->doc);
         if (option->unit[0])
             fprintf(out, " [%s]", option->unit);
+        if (dl_parameter_cause(row->options, option))
+            fprintf(out, " (with %s)", option->when);
         fputc('\n', out);
     }
 }

@@ -28,6 +28,8 @@ static const field fields[] = {
     FIELD(COUNT, nonlinear_iterations, "nonlinear iterations"),
     FIELD(COUNT, linear_iterations, "linear iterations"),
     FIELD(COUNT, factorisations, "factorisations"),
+    FIELD(COUNT, inexact_steps, "steps above tolerance"),
+    FIELD(COUNT, rescued_steps, "steps rescued"),
     FIELD(COUNT, neighbour_list_builds, "neighbour lists built"),
     FIELD(COUNT, wall_hits, "wall hits"),
     FIELD(COUNT, contacts, "contacts begun"),
@@ -63,6 +65,8 @@ void cli_summary_table(const dl_scene *scene, const dl_method_row *row, const ch
                        const dl_run_summary *summary, FILE *out) {
     fprintf(out, "%s with %s %s\n", scene->name, row->name, options);
     fprintf(out, "  %-26s %s\n", "status", dl_status_name(summary->status));
+    if (*summary->choice)
+        fprintf(out, "  %-26s %s\n", "solver", summary->choice);
     for (size_t i = 0; i < field_count; i++) {
         const field *shown = &fields[i];
         if (!shown->label)
@@ -91,6 +95,7 @@ dl_status cli_summary_json(const dl_scene *scene, const dl_method_row *row, cons
     json_object_set_new(root, "options", options_object(row, options));
     json_object_set_new(root, "status", json_string(dl_status_name(summary->status)));
     json_object_set_new(root, "message", json_string(summary->message));
+    json_object_set_new(root, "choice", json_string(summary->choice));
     for (size_t i = 0; i < field_count; i++) {
         const field *shown = &fields[i];
         json_object_set_new(root, shown->name,

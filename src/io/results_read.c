@@ -111,9 +111,32 @@ static dl_status read_series(const place *at, hid_t owner, const dl_record *reco
     return status;
 }
 
+static bool is_dataset(const dl_field *field) {
+    return field->kind == DL_FIELD_LONG_TEXT || field->kind == DL_FIELD_SERIES ||
+           field->kind == DL_FIELD_POSITIONS;
+}
+
+/* What a file of an earlier program does not have. */
+static bool is_missing(hid_t owner, const dl_field *field) {
+    if (!field->is_later)
+        return false;
+    return (is_dataset(field) ? H5Lexists(owner, field->name, H5P_DEFAULT)
+                              : H5Aexists(owner, field->name)) == 0;
+}
+
+static dl_status set_missing(const place *at, const dl_field *field, void *value) {
+    if (field->kind != DL_FIELD_TEXT)
+        return DL_OK;
+    char **text = value;
+    *text = strdup("");
+    return *text ? DL_OK : dl_fail_memory(at->error, "a text");
+}
+
 static dl_status read_field(const place *at, hid_t owner, const dl_record *record,
                             const dl_field *field, void *element) {
     void *value = dl_field_at(field, element);
+    if (is_missing(owner, field))
+        return set_missing(at, field, value);
     switch (field->kind) {
     case DL_FIELD_TEXT:
         return read_text(at, owner, field->name, value);
@@ -191,7 +214,7 @@ static dl_status check_format(const place *at, hid_t file) {
     free(format);
     if (status != DL_OK)
         return status;
-    const dl_field field = {"version", DL_FIELD_INT, 0};
+    const dl_field field = {"version", DL_FIELD_INT, 0, false};
     status = read_number(at, file, &field, &version);
     if (status == DL_OK && version != DL_RESULTS_VERSION)
         status = dl_fail(at->error, DL_INPUT,

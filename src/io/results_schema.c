@@ -4,9 +4,13 @@
 #include <stdlib.h>
 
 #define FIELD(type, kind, name)                                                                    \
-    { #name, DL_FIELD_##kind, offsetof(type, name) }
+    { #name, DL_FIELD_##kind, offsetof(type, name), false }
+#define LATER(type, kind, name)                                                                    \
+    { #name, DL_FIELD_##kind, offsetof(type, name), true }
 #define SUMMARY(kind, name)                                                                        \
-    { #name, DL_FIELD_##kind, offsetof(dl_case, summary.name) }
+    { #name, DL_FIELD_##kind, offsetof(dl_case, summary.name), false }
+#define LATER_SUMMARY(kind, name)                                                                  \
+    { #name, DL_FIELD_##kind, offsetof(dl_case, summary.name), true }
 
 static const dl_field head_fields[] = {
     FIELD(dl_results, TEXT, study),       FIELD(dl_results, TEXT, title),
@@ -28,15 +32,26 @@ static const dl_field scene_fields[] = {
 
 static const dl_field reference_fields[] = {
     FIELD(dl_reference, TEXT, key),
+    LATER(dl_reference, TEXT, digest),
     FIELD(dl_reference, TEXT, scene),
     FIELD(dl_reference, TEXT, description),
+    LATER(dl_reference, TEXT, precision),
+    LATER(dl_reference, TEXT, note),
     FIELD(dl_reference, REAL, error),
+    LATER(dl_reference, REAL, seconds),
+    LATER(dl_reference, REAL, length),
+    LATER(dl_reference, REAL, lyapunov),
+    LATER(dl_reference, REAL, lyapunov_error),
+    LATER(dl_reference, REAL, parted),
+    LATER(dl_reference, REAL, horizon),
     FIELD(dl_reference, SIZE, samples),
     FIELD(dl_reference, SIZE, particles),
     FIELD(dl_reference, INT, dimension),
     FIELD(dl_reference, SERIES, time),
     FIELD(dl_reference, SERIES, sample_error),
+    LATER(dl_reference, SERIES, growth),
     FIELD(dl_reference, POSITIONS, position),
+    LATER(dl_reference, POSITIONS, position_low),
 };
 
 static const dl_field case_fields[] = {
@@ -48,6 +63,7 @@ static const dl_field case_fields[] = {
     FIELD(dl_case, TEXT, command),
     SUMMARY(STATUS, status),
     SUMMARY(MESSAGE, message),
+    LATER_SUMMARY(MESSAGE, choice),
     SUMMARY(REAL, t_end_reached),
     SUMMARY(REAL, step),
     SUMMARY(ULONG, steps),
@@ -58,6 +74,8 @@ static const dl_field case_fields[] = {
     SUMMARY(ULONG, nonlinear_iterations),
     SUMMARY(ULONG, linear_iterations),
     SUMMARY(ULONG, factorisations),
+    LATER_SUMMARY(ULONG, inexact_steps),
+    LATER_SUMMARY(ULONG, rescued_steps),
     SUMMARY(ULONG, neighbour_list_builds),
     SUMMARY(ULONG, wall_hits),
     SUMMARY(ULONG, contacts),
@@ -75,7 +93,7 @@ static const dl_field case_fields[] = {
     SUMMARY(REAL, momentum_scale),
     SUMMARY(REAL, angular_momentum_scale),
     SUMMARY(REAL, kinetic_energy_per_particle),
-    {"summary_samples", DL_FIELD_SIZE, offsetof(dl_case, summary.samples)},
+    {"summary_samples", DL_FIELD_SIZE, offsetof(dl_case, summary.samples), false},
     FIELD(dl_case, UNSIGNED, repeats),
     FIELD(dl_case, REAL, cpu_median),
     FIELD(dl_case, REAL, position_error),

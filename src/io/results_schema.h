@@ -3,6 +3,7 @@
 #define DL_IO_RESULTS_SCHEMA_H
 
 #include <hdf5.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include "driftlab/results.h"
 
@@ -27,6 +28,7 @@ typedef struct dl_field {
     const char *name;
     dl_field_kind kind;
     size_t offset;
+    bool is_later; /* files of earlier programs lack it, and are read as if it were 0 or "" */
 } dl_field;
 
 /* Where the elements of one array of dl_results live, in the file and in memory. */

@@ -52,9 +52,18 @@ static void step_from_scene(const dl_method_row *row, const dl_scene *scene, voi
         *(double *)(void *)((char *)options + step->offset) = scene->step;
 }
 
+/* Behind the structure: a flag an option, whether it has been set. */
+static bool *given(const dl_method_row *row, const void *options) {
+    return (bool *)((char *)options + row->options_size);
+}
+
+static size_t whole_size(const dl_method_row *row) {
+    return row->options_size + row->options.count * sizeof(bool);
+}
+
 dl_status dl_method_options_create(const dl_method_row *row, const dl_scene *scene, void **options,
                                    dl_error *error) {
-    *options = calloc(1, row->options_size);
+    *options = calloc(1, whole_size(row));
     if (!*options)
         return dl_fail_memory(error, "the options of a method");
     const dl_status status = dl_parameter_defaults(row->options, *options, error);
@@ -70,8 +79,11 @@ dl_status dl_method_options_create(const dl_method_row *row, const dl_scene *sce
 dl_status dl_method_options_set(const dl_method_row *row, void *options, const char *key,
                                 const char *value, dl_error *error) {
     const dl_parameter *const parameter = dl_parameter_find(row->options, key);
-    if (parameter)
-        return dl_parameter_set(parameter, options, value, error);
+    if (parameter) {
+        const dl_status status = dl_parameter_set(parameter, options, value, error);
+        given(row, options)[parameter - row->options.rows] |= !status;
+        return status;
+    }
     char shown[80];
     dl_quote(key, shown, sizeof shown);
     const char *const closest = dl_parameter_closest(row->options, key);
@@ -93,10 +105,13 @@ void dl_method_options_format(const dl_method_row *row, const void *options, cha
     if (size)
         text[0] = '\0';
     for (size_t i = 0; i < row->options.count && used < size; i++) {
+        const dl_parameter *const option = &row->options.rows[i];
         char value[128];
-        dl_parameter_format(&row->options.rows[i], options, value, sizeof value);
-        used += (size_t)snprintf(text + used, size - used, "%s%s=%s", i ? " " : "",
-                                 row->options.rows[i].name, value);
+        if (!dl_parameter_applies(row->options, option, options))
+            continue;
+        dl_parameter_format(option, options, value, sizeof value);
+        used += (size_t)snprintf(text + used, size - used, "%s%s=%s", used ? " " : "", option->name,
+                                 value);
     }
 }
 
@@ -112,13 +127,32 @@ void dl_method_options_free(const dl_method_row *row, void *options) {
 
 /* Numbers, flags and words are copied as they are: no method has an option that is a text. */
 static void *options_copy(const dl_method_row *row, const void *options) {
-    void *const copy = malloc(row->options_size);
-    return copy ? memcpy(copy, options, row->options_size) : NULL;
+    void *const copy = malloc(whole_size(row));
+    return copy ? memcpy(copy, options, whole_size(row)) : NULL;
+}
+
+/* What was set and is not used, would be ignored. */
+static dl_status refuse_unused(const dl_method_row *row, const void *options, dl_error *error) {
+    for (size_t i = 0; i < row->options.count; i++) {
+        const dl_parameter *const option = &row->options.rows[i];
+        if (!given(row, options)[i] || dl_parameter_applies(row->options, option, options))
+            continue;
+        const dl_parameter *const cause = dl_parameter_cause(row->options, option);
+        char value[128];
+        dl_parameter_format(cause, options, value, sizeof value);
+        return dl_fail(error, DL_INPUT,
+                       "method %s: found %s with %s=%s, expected it only with %s, where it is used",
+                       row->name, option->name, cause->name, value, option->when);
+    }
+    return DL_OK;
 }
 
 dl_status dl_method_create(const dl_method_row *row, dl_model *model, const void *options,
                            const double *y0, dl_method **method, dl_error *error) {
     *method = NULL;
+    dl_status status = refuse_unused(row, options, error);
+    if (status)
+        return status;
     dl_method *const created = calloc(1, sizeof *created);
     if (!created)
         return dl_fail_memory(error, "a method");
@@ -132,7 +166,7 @@ dl_status dl_method_create(const dl_method_row *row, dl_model *model, const void
         return dl_fail_memory(error, "a method's state");
     }
     memcpy(created->y, y0, 2 * created->n * sizeof *y0);
-    const dl_status status = row->ops->create(created, error);
+    status = row->ops->create(created, error);
     if (status) {
         dl_method_destroy(created);
         return status;
@@ -181,6 +215,12 @@ dl_status dl_method_state(dl_method *method, double *y_out, dl_error *error) {
 
 dl_status dl_method_jumped(dl_method *method, dl_error *error) {
     return method->row->ops->jumped(method, error);
+}
+
+void dl_method_describe(const dl_method *method, char *text, size_t size) {
+    snprintf(text, size, "%s", "");
+    if (method->row->ops->describe)
+        method->row->ops->describe(method, text, size);
 }
 
 void dl_method_stats_get(const dl_method *method, dl_method_stats *stats) {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "driftlab/reference.h"
 #include "report/page.h"
 #include "version.h"
 
@@ -157,6 +158,16 @@ static size_t largest_energy_error(const dl_case *cased, size_t from, size_t to)
     return best;
 }
 
+/* NaN where it is not one: too small for the reference, or past the horizon. */
+static double position_error(const builder *build, const dl_case *cased, size_t i) {
+    const dl_reference *reference = dl_results_reference(build->results, cased->scene);
+    if (!cased->sample_position_error)
+        return NAN;
+    const double error = cased->sample_position_error[i];
+    return !reference || i >= reference->samples || dl_reference_shows(reference, i, error) ? error
+                                                                                            : NAN;
+}
+
 /* {time, energy, position, stride}: every sample, or of `stride` neighbours the worst. */
 static json_t *samples(builder *build, const dl_case *cased) {
     json_t *object = json_object(), *time = json_array();
@@ -170,8 +181,7 @@ static json_t *samples(builder *build, const dl_case *cased) {
                real(cased->sample_energy_error
                         ? relative(cased->sample_energy_error[i], cased->summary.energy_scale)
                         : NAN));
-        append(build, position,
-               real(cased->sample_position_error ? cased->sample_position_error[i] : NAN));
+        append(build, position, real(position_error(build, cased, i)));
     }
     put(build, object, "time", time);
     put(build, object, "energy", energy);
@@ -205,7 +215,18 @@ static json_t *reference_of(builder *build, const char *scene) {
         return json_null();
     json_t *object = json_object();
     put(build, object, "description", text(reference->description));
+    put(build, object, "precision", text(reference->precision));
+    put(build, object, "note", text(reference->note));
     put(build, object, "error", real(reference->error));
+    put(build, object, "margin", json_integer(DL_REFERENCE_MARGIN));
+    put(build, object, "length", real(reference->length));
+    put(build, object, "lyapunov", real(reference->lyapunov_error > 0 ? reference->lyapunov : NAN));
+    put(build, object, "lyapunov_error", real(reference->lyapunov_error));
+    put(build, object, "horizon", real(reference->horizon > 0 ? reference->horizon : NAN));
+    put(build, object, "parted", real(reference->parted > 0 ? reference->parted : NAN));
+    put(build, object, "growth",
+        real(reference->growth && reference->samples ? reference->growth[reference->samples - 1]
+                                                     : NAN));
     put(build, object, "time", reals(build, reference->time, reference->samples));
     put(build, object, "sample_error", reals(build, reference->sample_error, reference->samples));
     return object;

@@ -42,6 +42,9 @@ uint64_t dl_scene_hash(const dl_scene *scene) {
     return hash_bytes(hash, scene->pinned, n * sizeof *scene->pinned);
 }
 
+/* Of the extended integrator: to be raised when what it computes changes. */
+static const int extended_version = 1;
+
 char *dl_study_reference_key(const dl_study *study, const dl_study_scene *on) {
     char end[40];
     dl_format_real(on->end, end, sizeof end);
@@ -49,9 +52,41 @@ char *dl_study_reference_key(const dl_study *study, const dl_study_scene *on) {
     if (study->reference == DL_REFERENCE_EXACT)
         return dl_text("%s#%016llx exact kepler end=%s samples=%ld", on->scene->name,
                        (unsigned long long)on->hash, end, study->settings.samples);
+    if (study->reference == DL_REFERENCE_EXTENDED)
+        return dl_text("%s#%016llx extended-%d %s end=%s samples=%ld", on->scene->name,
+                       (unsigned long long)on->hash, extended_version,
+                       dl_precision_words[study->precision], end, study->settings.samples);
     return dl_text("%s#%016llx %s %s, check %s %s end=%s samples=%ld", on->scene->name,
                    (unsigned long long)on->hash, run->row->name, run->text, check->row->name,
                    check->text, end, study->settings.samples);
+}
+
+static uint64_t hash_text(uint64_t hash, const char *text) {
+    return text ? hash_bytes(hash, text, strlen(text)) : hash;
+}
+
+static uint64_t hash_reals(uint64_t hash, const double *values, size_t count) {
+    return values ? hash_bytes(hash, values, count * sizeof *values) : hash;
+}
+
+char *dl_reference_digest(const dl_reference *reference) {
+    const double numbers[] = {reference->error,    reference->seconds, reference->length,
+                              reference->lyapunov, reference->parted,  reference->lyapunov_error,
+                              reference->horizon};
+    const size_t positions =
+        reference->samples * (size_t)reference->dimension * reference->particles;
+    uint64_t hash = hash_text(hash_start, reference->key);
+    hash = hash_text(hash, reference->scene);
+    hash = hash_text(hash, reference->description);
+    hash = hash_text(hash, reference->precision);
+    hash = hash_text(hash, reference->note);
+    hash = hash_reals(hash, numbers, sizeof numbers / sizeof *numbers);
+    hash = hash_reals(hash, reference->time, reference->samples);
+    hash = hash_reals(hash, reference->sample_error, reference->samples);
+    hash = hash_reals(hash, reference->growth, reference->samples);
+    hash = hash_reals(hash, reference->position, positions);
+    hash = hash_reals(hash, reference->position_low, positions);
+    return dl_text("%016llx", (unsigned long long)hash);
 }
 
 char *dl_study_case_key(const dl_study *study, const dl_study_case *cased) {

@@ -239,7 +239,9 @@ static double next_time(clearance at, double last, double low, double high, bool
 
 dl_status dl_located_go_to_crossing(dl_located *located, dl_event *crossing, dl_error *error) {
     const dl_method *const method = located->method;
-    const double start = located->t0, least = dl_located_resolution(start);
+    /* near t = 0 the representation tells apart what no solver can step */
+    const double start = located->t0;
+    const double least = fmax(dl_located_resolution(start), DBL_EPSILON * located->step);
     double low = start, high = method->t, change = INFINITY;
     bool is_bracket = clearance_of_event(located, crossing).d < 0;
     for (int i = 0; i < 60; i++) {

@@ -7,29 +7,6 @@
 #include <string.h>
 #include "study/child.h"
 
-double dl_position_distance(const dl_scene *scene, const double *a, const double *b,
-                            double *largest) {
-    const size_t n = scene->particles;
-    size_t moving = 0;
-    double sum = 0, most = 0;
-    for (size_t i = 0; i < n; i++) {
-        if (scene->pinned[i])
-            continue;
-        double square = 0;
-        for (size_t k = 0; k < (size_t)scene->dimension; k++) {
-            const double d = a[k * n + i] - b[k * n + i];
-            square += d * d;
-        }
-        sum += square;
-        if (!(square <= most)) /* a NaN stays */
-            most = square;
-        moving++;
-    }
-    if (largest)
-        *largest = sqrt(most);
-    return moving ? sqrt(sum / (double)moving) : 0;
-}
-
 /* --- in the child -------------------------------------------------------------------------- */
 
 typedef enum part { OBSERVED, TIMED } part;
@@ -66,11 +43,11 @@ static void compare_with_reference(case_work *work, const dl_sample *sample, siz
         fabs(reference->time[i] - sample->time) > 1e-9 * reference->time[reference->samples - 1])
         return;
     const dl_scene *scene = work->study->scene[work->cased->scene].scene;
-    const double *exact = reference->position + i * (size_t)scene->dimension * scene->particles;
     const double error =
-        dl_position_distance(scene, sample->y_all, exact, &found->position_error_max);
+        dl_reference_distance(scene, reference, i, sample->y_all, &found->position_error_max);
     work->position_error[i] = found->position_error = error;
-    if (!(error <= found->position_error_ever)) /* NaN at first: none yet */
+    if (!dl_reference_is_past(reference, i) &&
+        !(error <= found->position_error_ever)) /* NaN at first: none yet */
         found->position_error_ever = error;
 }
 

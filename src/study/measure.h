@@ -11,10 +11,16 @@ typedef struct dl_watch {
     void *context;
 } dl_watch;
 
-/* Runs the reference of a scene and its check, or computes the exact one. DL_INTERRUPTED; any other
- * failure is the reference's own and is told in the message. */
+/* Computes the reference of a scene in extended precision, or runs it and its check, or solves it
+ * exactly. DL_INTERRUPTED; any other failure is the reference's own and is told in the message. */
 dl_status dl_study_measure_reference(const dl_study *study, const dl_study_scene *on,
                                      const dl_watch *watch, dl_reference *reference,
+                                     dl_error *error);
+
+/* Puts a reference in quad precision in the place of one in long double. Where that is out of reach
+ * its note says why, and nothing else changes: DL_OK all the same. */
+dl_status dl_study_improve_reference(const dl_study *study, const dl_study_scene *on,
+                                     const dl_watch *watch, dl_reference *reference, bool *improved,
                                      dl_error *error);
 
 /* Runs one case. A case that fails is measured: DL_OK. DL_INTERRUPTED, or DL_MEMORY and DL_IO of
@@ -22,11 +28,6 @@ dl_status dl_study_measure_reference(const dl_study *study, const dl_study_scene
 dl_status dl_study_measure_case(const dl_study *study, const dl_study_case *cased,
                                 const dl_reference *reference, const dl_watch *watch,
                                 dl_case *measured, dl_error *error);
-
-/* RMS over the particles that move of the distance between two sets of positions [dimension *
- * particles]; *largest (may be NULL) is the largest distance. */
-double dl_position_distance(const dl_scene *scene, const double *a, const double *b,
-                            double *largest);
 
 /* Why a run that has not failed is not what it claims, or "". `end`: where the runs on that scene
  * end. */

@@ -3,6 +3,7 @@
 #define DL_STUDY_PLAN_H
 
 #include <stdint.h>
+#include "driftlab/reference.h"
 #include "driftlab/study.h"
 #include "io/yaml.h"
 
@@ -24,8 +25,9 @@ typedef struct dl_study_limits {
 
 typedef enum dl_reference_kind {
     DL_REFERENCE_NONE,
-    DL_REFERENCE_RUNS,  /* a method, and a second one that measures its error */
-    DL_REFERENCE_EXACT, /* analytic two-body motion */
+    DL_REFERENCE_RUNS,     /* a method, and a second one that measures its error */
+    DL_REFERENCE_EXACT,    /* analytic two-body motion */
+    DL_REFERENCE_EXTENDED, /* extended precision, driftlab/reference.h */
 } dl_reference_kind;
 
 /* A method with its options on one scene. */
@@ -62,6 +64,7 @@ struct dl_study {
     dl_study_settings settings;
     dl_study_limits limits;
     dl_reference_kind reference;
+    dl_precision precision;   /* of an extended reference */
     double reference_seconds; /* CPU time of each of the reference's runs */
     size_t scenes, cases;
     dl_study_scene *scene;
@@ -71,6 +74,7 @@ struct dl_study {
 
 extern const char *const dl_study_kinds[];
 extern const char *const dl_study_measures[];
+extern const char *const *const dl_precision_words; /* by dl_precision */
 
 void dl_study_run_of_release(dl_study_run_of *run);
 
@@ -96,6 +100,8 @@ uint64_t dl_scene_hash(const dl_scene *scene);
 /* "NAME#HASH method option=value ... end=E samples=S [reference=HASH]"; NULL: no memory. */
 char *dl_study_case_key(const dl_study *study, const dl_study_case *cased);
 char *dl_study_reference_key(const dl_study *study, const dl_study_scene *on);
+/* Hash of all that a reference says, as text; NULL: no memory. */
+char *dl_reference_digest(const dl_reference *reference);
 /* The `driftlab run` line. */
 char *dl_study_case_command(const dl_study *study, const dl_study_case *cased);
 

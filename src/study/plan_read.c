@@ -109,8 +109,13 @@ static const dl_parameter limit_rows[] = {
      .doc = "address space of a case's process"},
 };
 
+/* "none" and, one further on, the precisions. */
+static const char *const extended_words[] = {"none", "auto", "long-double", "quad", NULL};
+const char *const *const dl_precision_words = extended_words + 1;
+
 typedef struct reference_settings {
     char *method, *exact;
+    int extended;
     double seconds;
 } reference_settings;
 
@@ -127,6 +132,14 @@ static const dl_parameter reference_rows[] = {
      .unit = "",
      .fallback = "",
      .doc = "kepler: two bodies that attract by c/r^2, solved analytically; instead of method"},
+    {.name = "extended",
+     .kind = DL_WORD,
+     AT(reference_settings, extended),
+     .unit = "",
+     .words = extended_words,
+     .fallback = "none",
+     .doc = "extended precision with an error of its own that is measured; auto: long double, and "
+            "quad where a case needs it; instead of method"},
     {.name = "seconds",
      .kind = DL_REAL,
      AT(reference_settings, seconds),
@@ -301,16 +314,20 @@ static dl_status reference_kind(dl_study *study, const dl_yaml *yaml, const dl_y
     dl_status status =
         dl_yaml_read_table(yaml, map, reference_table, reference_others, &settings, error);
     if (status == DL_OK) {
-        bool exact = *settings.exact, runs = *settings.method;
-        study->reference = exact ? DL_REFERENCE_EXACT : DL_REFERENCE_RUNS;
+        bool exact = *settings.exact, runs = *settings.method, extended = settings.extended > 0;
+        study->reference = exact      ? DL_REFERENCE_EXACT
+                           : extended ? DL_REFERENCE_EXTENDED
+                                      : DL_REFERENCE_RUNS;
+        study->precision = (dl_precision)(settings.extended - extended);
         study->reference_seconds = settings.seconds;
-        if (exact == runs)
-            status = dl_yaml_fail(yaml, map, "reference", "either `method` or `exact`", error);
+        if (exact + runs + extended != 1)
+            status = dl_yaml_fail(yaml, map, "reference", "either `method`, `exact` or `extended`",
+                                  error);
         else if (exact && strcmp(settings.exact, "kepler") != 0)
             status = dl_yaml_fail(yaml, dl_yaml_get(map, "exact"), "exact", "kepler", error);
-        else if (exact && (dl_yaml_get(map, "set") || dl_yaml_get(map, "check")))
+        else if (!runs && (dl_yaml_get(map, "set") || dl_yaml_get(map, "check")))
             status =
-                dl_yaml_fail(yaml, map, "reference", "no `set` or `check` with `exact`", error);
+                dl_yaml_fail(yaml, map, "reference", "no `set` or `check` without `method`", error);
     }
     dl_parameter_release(reference_table, &settings);
     return status;
@@ -326,9 +343,10 @@ static dl_status read_reference(dl_study *study, const dl_yaml *yaml, dl_error *
     dl_status status = reference_kind(study, yaml, map, error);
     for (size_t s = 0; s < study->scenes && status == DL_OK; s++) {
         dl_study_scene *on = &study->scene[s];
-        status = study->reference == DL_REFERENCE_EXACT
-                     ? read_exact(study, on, map, error)
-                     : read_reference_runs(study, on, yaml, map, error);
+        status = study->reference == DL_REFERENCE_EXACT ? read_exact(study, on, map, error)
+                 : study->reference == DL_REFERENCE_RUNS
+                     ? read_reference_runs(study, on, yaml, map, error)
+                     : DL_OK;
         if (status == DL_OK && !(on->reference_key = dl_study_reference_key(study, on)))
             status = dl_fail_memory(error, "a reference");
     }

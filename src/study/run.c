@@ -314,6 +314,9 @@ static void summarise(run *r) {
     summary->nonlinear_iterations = stats.nonlinear_iterations;
     summary->linear_iterations = stats.linear_iterations;
     summary->factorisations = stats.factorisations;
+    summary->inexact_steps = stats.inexact;
+    summary->rescued_steps = stats.rescued;
+    dl_method_describe(r->method, summary->choice, sizeof summary->choice);
     summary->force_evaluations = r->model->counts.force;
     summary->jacobian_evaluations = r->model->counts.jacobian;
     summary->jacobian_vector_products = r->model->counts.jacobian_vector;

@@ -82,14 +82,15 @@ const linearX = title => ({
 });
 
 const ASKED = {colour: "#a00000", width: 1.5, dash: [6, 4]};
+const HORIZON = {colour: "#444444", width: 1.5, dash: [2, 2]};
 const FLOOR_COLOUR = "rgba(90, 90, 90, 0.16)";
 
-/* The asked error (a line) and what lies below the reference's own error (shaded). Their names
- * stand in the key beneath, where they cover no point. */
+/* The asked error (a line), what is too small for the reference to tell (shaded) and the horizon (an
+ * upright line). Their names stand in the key beneath, where they cover no point. */
 const marks = {
   id: "marks",
-  beforeDatasetsDraw(chart, args, {asked, floor}) {
-    const {ctx, chartArea: area, scales: {y}} = chart;
+  beforeDatasetsDraw(chart, args, {asked, floor, horizon}) {
+    const {ctx, chartArea: area, scales: {x, y}} = chart;
     ctx.save();
     if (floor > y.min) {
       const top = Math.max(area.top, y.getPixelForValue(floor));
@@ -100,20 +101,29 @@ const marks = {
       const height = y.getPixelForValue(asked);
       strokeLine(ctx, ASKED, area.left, area.right, height);
     }
+    if (horizon && horizon <= x.max) {
+      const at = x.getPixelForValue(horizon);
+      strokeUpright(ctx, HORIZON, at, area.top, area.bottom);
+    }
     ctx.restore();
   },
 };
 
-const strokeLine = (context, look, left, right, height) => {
+const strokeFrom = (context, look, from, to) => {
   context.strokeStyle = look.colour;
   context.lineWidth = look.width;
   context.setLineDash(look.dash);
   context.beginPath();
-  context.moveTo(left, height);
-  context.lineTo(right, height);
+  context.moveTo(...from);
+  context.lineTo(...to);
   context.stroke();
   context.setLineDash([]);
 };
+
+const strokeLine = (context, look, left, right, height) =>
+  strokeFrom(context, look, [left, height], [right, height]);
+const strokeUpright = (context, look, at, top, bottom) =>
+  strokeFrom(context, look, [at, top], [at, bottom]);
 
 /* How many points are on the screen: written where a test can read it. */
 const countPoints = chart => {
@@ -204,7 +214,7 @@ const linePicture = look => picture(context => {
                                    borderWidth: 1.5}, 17, 7);
 });
 
-const markKey = ({asked, floor}) => {
+const markKey = ({asked, floor, horizon}) => {
   const key = (image, text) => element("span", {className: "mark"}, image, text);
   const keys = [];
   if (asked)
@@ -214,7 +224,10 @@ const markKey = ({asked, floor}) => {
     keys.push(key(picture(context => {
       context.fillStyle = FLOOR_COLOUR;
       context.fillRect(1, 1, 32, 12);
-    }), `below the reference's own error ${scientific(floor)}: says nothing`));
+    }), `below ${scientific(floor)}, a hundred times the reference's own error: refused`));
+  if (horizon)
+    keys.push(key(picture(context => strokeUpright(context, HORIZON, 17, 1, 13)),
+                  `horizon, t = ${Number(horizon.toPrecision(4))}: errors after it mean nothing`));
   return keys;
 };
 

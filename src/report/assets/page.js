@@ -129,7 +129,7 @@ const costLines = (scene, metric, cost) =>
 
 const floorOf = (scene, metric) =>
   metric === "position" && scene.reference && scene.reference.error > 0
-    ? scene.reference.error : null;
+    ? scene.reference.margin * scene.reference.error : null;
 
 const costPlan = (scene, metric, cost, hidden) => {
   const lines = costLines(scene, metric, cost);
@@ -270,13 +270,17 @@ const timeTooltip = metric => point => [
   point.one ? `status: ${shownStatus(point.one)}` : "",
 ].filter(Boolean);
 
+const timeMarksOf = (scene, metric) =>
+  metric === "position" && scene.reference ? {horizon: scene.reference.horizon} : {};
+
 const timePlan = (scene, metric, lines, hidden) => {
   const drawn = lines.filter(line => line.points.length);
   const heights = drawn.flatMap(line => line.points.map(point => point.y));
   if (!heights.length) return null;
   return {
     lines: drawn, hidden, radius: 2,
-    x: linearX("time [time]"), y: logY(METRICS[metric].time, heights), marks: {},
+    x: linearX("time [time]"), y: logY(METRICS[metric].time, heights),
+    marks: timeMarksOf(scene, metric),
     tooltip: timeTooltip(metric),
     label: `${METRICS[metric].name} over time, scene ${scene.name}`,
   };
@@ -335,7 +339,8 @@ const writeTimeChart = (scene, section) => {
       .concat(referenceLine(scene, state.metric));
     const chart = frame.draw(timePlan(scene, state.metric, lines, state.hidden));
     legend.replaceChildren(makeLegend(lines.filter(line => line.points.length), state.hidden,
-                                      chart ? [chart] : [], {}));
+                                      chart ? [chart] : [],
+                                      chart ? timeMarksOf(scene, state.metric) : {}));
   };
   const set = key => event => {
     state[key] = event.target.value;
@@ -473,6 +478,18 @@ const repeatsNote = scene => {
 
 /* --- reference, scene, provenance --- */
 
+const chaosOf = reference => {
+  const digits = value => Number(value.toPrecision(3));
+  const end = reference.time[reference.time.length - 1];
+  return `Largest Lyapunov exponent: ${digits(reference.lyapunov)} ± `
+    + `${Number(reference.lyapunov_error.toPrecision(1))} over the second half; a small displacement `
+    + `grew by 10^${(reference.growth / Math.LN10).toFixed(1)} until t = ${digits(end)}. `
+    + (reference.horizon === null ? "Horizon: not before the end."
+       : `Horizon: t = ${Number(reference.horizon.toPrecision(4))}, when rounding errors of double `
+         + "precision have grown to 1 % of the distance between neighbours; position errors after "
+         + "it are not shown.");
+};
+
 const writeReference = (scene, section) => {
   const {reference} = scene;
   section.append(element("h3", {}, "Reference"));
@@ -485,7 +502,9 @@ const writeReference = (scene, section) => {
     : reference.error === null ? "Its own error was not measured."
     : `Its own error: ${scientific(reference.error, 3)} (RMS position difference at the end).`;
   const told = reference.description.replace(/[.;\s]*$/, "");
-  section.append(element("p", {}, told ? told + ". " : "", own));
+  section.append(element("p", {}, told ? told + ". " : "", own,
+                         reference.note ? ` No better: ${reference.note}.` : ""));
+  if (reference.lyapunov !== null) section.append(element("p", {}, chaosOf(reference)));
 };
 
 const writeSceneText = (scene, section) => {
