@@ -76,9 +76,28 @@ void dl_contacts_last(dl_contacts *contacts) {
         contacts->pressed[u] |= contacts->side[u] != DL_NO_WALL;
 }
 
-void dl_contacts_find_idle(dl_contacts *contacts, const double *a) {
-    for (size_t u = 0; contacts->count && u < contacts->model->unknowns; u++)
+/* d a/d t along y of all particles as if none were held. */
+static dl_status acceleration_rate(const dl_contacts *contacts, const double *y, double *rate,
+                                   dl_error *error) {
+    dl_model *model = contacts->model;
+    const bool *held = model->held;
+    model->held = NULL;
+    const dl_status status = dl_model_jacobian_vector(model, y, y + model->unknowns, rate, error);
+    model->held = held;
+    return status;
+}
+
+dl_status dl_contacts_find_idle(dl_contacts *contacts, const double *y, const double *a,
+                                double *rate, dl_error *error) {
+    bool any = false;
+    for (size_t u = 0; contacts->count && u < contacts->model->unknowns; u++) {
         contacts->idle[u] = contacts->side[u] != DL_NO_WALL && contacts->pressed[u] && a[u] == 0;
+        any |= contacts->idle[u];
+    }
+    const dl_status status = any ? acceleration_rate(contacts, y, rate, error) : DL_OK;
+    for (size_t u = 0; any && !status && u < contacts->model->unknowns; u++)
+        contacts->idle[u] &= rate[u] == 0;
+    return status;
 }
 
 double dl_contacts_press(const dl_contacts *contacts, size_t u, const double *a) {

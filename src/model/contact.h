@@ -48,10 +48,13 @@ bool dl_contacts_hold(const dl_contacts *contacts, size_t u);
 /* All contacts have lasted a step. */
 void dl_contacts_last(dl_contacts *contacts);
 
-/* Contacts that have pressed, and that nothing at all presses under the accelerations a at the end
- * of a step, are contacts no more: what pressed has gone beyond its cutoff, and the particle must
- * not hang on a wall that it would fall along. */
-void dl_contacts_find_idle(dl_contacts *contacts, const double *a);
+/* Contacts that have pressed, and that nothing at all presses in the state y at the end of a step,
+ * with its accelerations a, are contacts no more: what pressed has gone beyond its cutoff, or has
+ * come to rest on the same wall, and the particle must not hang on a wall that it would fall along.
+ * What is about to press again (it bounces on the same wall) does not count. rate [unknowns]:
+ * scratch. */
+dl_status dl_contacts_find_idle(dl_contacts *contacts, const double *y, const double *a,
+                                double *rate, dl_error *error);
 
 /* The acceleration that presses coordinate u, which is in contact, to its wall; a [unknowns] is
  * that of all particles as if none were held. Negative where the contact ends: away from the wall,

@@ -127,7 +127,10 @@ dl_status dl_located_find_release(dl_located *located, double end, bool *release
     *released = false;
     if (located->contacts.count == 0)
         return DL_OK;
-    dl_contacts_find_idle(&located->contacts, located->a1);
+    const dl_status found = dl_contacts_find_idle(&located->contacts, located->method->y,
+                                                  located->a1, located->scratch, error);
+    if (found)
+        return found;
     double press, dip = end, at_end = dl_contacts_least_press(&located->contacts, located->a1);
     const double at_start = dl_contacts_least_press(&located->contacts, located->a0);
     if (at_start < 0) {

@@ -31,14 +31,20 @@ void walk_update_held(walk *w) {
         update_particle(w, k);
 }
 
-static void rest(walk *w, size_t u, int side) {
+static void rest(walk *w, size_t u, int side, bool pressed) {
     const size_t moving = w->model.moving;
     w->side[u] = (signed char)side;
+    w->pressed[u] = pressed;
     update_particle(w, u % moving);
     for (size_t k = u % moving; k < w->model.unknowns; k += moving)
         if (w->held[k])
             w->v[k] = 0;
     w->counts.contacts++;
+}
+
+void walk_contacts_last(walk *w) {
+    for (size_t u = 0; u < w->model.unknowns; u++)
+        w->pressed[u] |= w->side[u] != 0;
 }
 
 void walk_let_go(walk *w, size_t coordinate) {
@@ -92,7 +98,7 @@ static bool is_last_flight(const walk *w, size_t u, int side, real press) {
 static void rest_or_fly(walk *w, size_t u, int side, bool at_once) {
     const real press = -away(side, w->a[u]), rate = away(side, w->v[u]);
     if (press > 0 ? is_last_flight(w, u, side, press) : at_once && rate == 0)
-        rest(w, u, side);
+        rest(w, u, side, press > 0);
 }
 
 void walk_collide(walk *w, const event *target, bool at_once) {

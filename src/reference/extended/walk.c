@@ -22,6 +22,7 @@ static void destroy(dl_extended_walk *handle) {
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         free(arrays[k]);
     free(w->side);
+    free(w->pressed);
     free(w->touched);
     free(w->held);
     free(w);
@@ -39,10 +40,11 @@ static dl_status allocate(walk *w, dl_error *error) {
     w->path = calloc(n * (walk_degree + 3), sizeof *w->path);
     w->reach = calloc(w->model.particles, sizeof *w->reach);
     w->side = calloc(n, sizeof *w->side);
+    w->pressed = calloc(n, sizeof *w->pressed);
     w->touched = calloc(n, sizeof *w->touched);
     w->held = calloc(n, sizeof *w->held);
     return w->q && w->v && w->q1 && w->v1 && w->a && w->load && w->rate && w->path && w->reach &&
-                   w->side && w->touched && w->held
+                   w->side && w->pressed && w->touched && w->held
                ? DL_OK
                : dl_fail_memory(error, "a reference");
 }
@@ -182,6 +184,7 @@ static dl_status step(walk *w, real limit, bool *reached, dl_error *error) {
     *reached = span == limit && what.kind == EVENT_NONE;
     w->goes_on = what.kind == EVENT_NONE;
     if (what.kind == EVENT_NONE) {
+        walk_contacts_last(w);
         w->gap = 3 * w->gap / 2;
         return DL_OK;
     }

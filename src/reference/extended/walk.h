@@ -34,6 +34,7 @@ struct walk {
     real t, *q, *v; /* [unknowns] */
     /* Resting contacts, as model/contact.h has them. */
     signed char *side;    /* [unknowns]: -1, 1: rests on the low, high wall of its axis */
+    bool *pressed;        /* [unknowns]: the contact has pressed, or lasted a step */
     signed char *touched; /* [unknowns]: scratch */
     bool *held;           /* [unknowns]: out of the dynamics */
     /* The step, or the last one. */
@@ -69,19 +70,20 @@ typedef struct event {
     int side;
 } event;
 
-#define stepper_taylor   DL_TYPED(dl_extended_taylor)
-#define stepper_gauss    DL_TYPED(dl_extended_gauss)
-#define polynomial_exit  DL_TYPED(dl_extended_polynomial_exit)
-#define polynomial_value DL_TYPED(dl_extended_polynomial_value)
-#define walk_make_path   DL_TYPED(dl_extended_make_path)
-#define walk_scales      DL_TYPED(dl_extended_scales)
-#define walk_find_event  DL_TYPED(dl_extended_find_event)
-#define walk_event_value DL_TYPED(dl_extended_event_value)
-#define walk_meet_walls  DL_TYPED(dl_extended_meet_walls)
-#define walk_collide     DL_TYPED(dl_extended_collide)
-#define walk_let_go      DL_TYPED(dl_extended_let_go)
-#define walk_update_held DL_TYPED(dl_extended_update_held)
-#define walk_radiate     DL_TYPED(dl_extended_radiate)
+#define stepper_taylor     DL_TYPED(dl_extended_taylor)
+#define stepper_gauss      DL_TYPED(dl_extended_gauss)
+#define polynomial_exit    DL_TYPED(dl_extended_polynomial_exit)
+#define polynomial_value   DL_TYPED(dl_extended_polynomial_value)
+#define walk_make_path     DL_TYPED(dl_extended_make_path)
+#define walk_scales        DL_TYPED(dl_extended_scales)
+#define walk_find_event    DL_TYPED(dl_extended_find_event)
+#define walk_event_value   DL_TYPED(dl_extended_event_value)
+#define walk_meet_walls    DL_TYPED(dl_extended_meet_walls)
+#define walk_collide       DL_TYPED(dl_extended_collide)
+#define walk_let_go        DL_TYPED(dl_extended_let_go)
+#define walk_contacts_last DL_TYPED(dl_extended_contacts_last)
+#define walk_update_held   DL_TYPED(dl_extended_update_held)
+#define walk_radiate       DL_TYPED(dl_extended_radiate)
 
 extern const stepper stepper_taylor, stepper_gauss;
 
@@ -114,6 +116,8 @@ void walk_collide(walk *w, const event *target, bool at_once);
 /* The state was set from outside: held coordinates that move are let go, touching ones collide. */
 void walk_meet_walls(walk *w);
 void walk_let_go(walk *w, size_t coordinate);
+/* All contacts have lasted a step. */
+void walk_contacts_last(walk *w);
 /* What is held, from `side`. */
 void walk_update_held(walk *w);
 
