@@ -489,7 +489,7 @@ static void mirrors_tend_to_the_located_rule(void **state) {
 
 /* A particle pressed to a side wall by another is held there, with damping against gravity too;
  * when the other is out of reach the mirror lets it fall. */
-static void mirrors_let_fall_what_nothing_presses(void **state) {
+static void walls_let_fall_what_nothing_presses(void **state) {
     (void)state;
     dl_scene *scene = fixture_scene("held", 2, 2);
     fixture_law(scene, 0.5, 0, 1, 1, 2);
@@ -505,8 +505,8 @@ static void mirrors_let_fall_what_nothing_presses(void **state) {
         scene->walls.rule = (dl_wall_rule)rule;
         walked end = walk_to(scene, &dl_extended_long_double, DL_TAYLOR, 1);
         assert_int_equal(end.counts.contacts, 1);
-        assert_int_equal(end.counts.releases, rule == DL_MIRROR);
-        assert_int_equal(end.high[2] < 1, rule == DL_MIRROR);
+        assert_int_equal(end.counts.releases, 1);
+        assert_true(end.high[2] < 1);
         release(&end);
     }
     dl_scene_free(scene);
@@ -687,7 +687,7 @@ int main(void) {
         cmocka_unit_test(ball_bounces_for_ever),
         cmocka_unit_test(ball_comes_to_rest_where_the_bounces_accumulate),
         cmocka_unit_test(mirrors_tend_to_the_located_rule),
-        cmocka_unit_test(mirrors_let_fall_what_nothing_presses),
+        cmocka_unit_test(walls_let_fall_what_nothing_presses),
         cmocka_unit_test(contact_is_released_when_the_press_turns),
         cmocka_unit_test(press_that_only_vanishes_releases_nothing),
         cmocka_unit_test(box_agrees_with_itself_and_the_double_loop),
