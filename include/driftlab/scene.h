@@ -98,11 +98,20 @@ typedef enum dl_kernel_choice {
     DL_KERNEL_NEIGHBOUR_LIST,
 } dl_kernel_choice;
 
+/* A number by name, which values of the file stand for as $NAME. */
+typedef struct dl_named_number {
+    char name[32];
+    double value;
+} dl_named_number;
+
 typedef struct dl_scene {
     char *name, *source, *file; /* `file`: path it was read from */
-    char *text;                 /* the scene file's text, for the results' metadata */
-    char *start;                /* file of the trajectory that it starts from; NULL: it does not */
-    int dimension;              /* 2 or 3 */
+    char *text;                 /* the scene file's text, for the results' metadata: with other
+                                 * numbers in `let`, where these were set */
+    size_t lets;
+    dl_named_number *let; /* [lets]: the file's `let`, in its order */
+    char *start;          /* file of the trajectory that it starts from; NULL: it does not */
+    int dimension;        /* 2 or 3 */
     size_t particles;
     double *position, *velocity; /* [dimension * particles] */
     double *inertia;             /* [particles], > 0 */
@@ -129,6 +138,16 @@ typedef struct dl_scene {
  * *scene is NULL and the message names file, line, key, value and what was expected (DL_INPUT), or
  * the rows that cause it. */
 dl_status dl_scene_read(const char *path, dl_scene **scene, dl_error *error);
+
+/* What `let` is to say in the place of what the file says: a number, as text. */
+typedef struct dl_let {
+    const char *name, *value;
+} dl_let;
+
+/* The same with other numbers in `let`. The scene is then called NAME(a=1,b=2). DL_INPUT names what
+ * the file's `let` lacks. */
+dl_status dl_scene_read_let(const char *path, size_t count, const dl_let *let, dl_scene **scene,
+                            dl_error *error);
 
 void dl_scene_free(dl_scene *scene);
 

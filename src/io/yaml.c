@@ -18,8 +18,10 @@ struct dl_yaml_node {
     dl_yaml_kind kind;
     int line;
     mark mark;
-    char *text;    /* scalars */
-    size_t length; /* lists and maps: items */
+    char *text;        /* scalars */
+    bool plain;        /* scalars: without quotes */
+    size_t begin, end; /* in the source, in characters */
+    size_t length;     /* lists and maps: items */
     struct dl_yaml_node **item;
     struct dl_yaml_node **key; /* maps: scalars, one an item */
 };
@@ -173,6 +175,7 @@ static dl_status copy_scalar(const dl_yaml *yaml, const yaml_node_t *from, dl_ya
         return dl_fail(error, DL_INPUT, "%s:%d: found a zero byte in a text, expected none",
                        yaml->path, to->line);
     to->text = strdup(value);
+    to->plain = from->data.scalar.style == YAML_PLAIN_SCALAR_STYLE;
     return to->text ? DL_OK : dl_fail_memory(error, yaml->path);
 }
 
@@ -206,6 +209,8 @@ static dl_status copy_map(const dl_yaml *yaml, const yaml_node_t *from, dl_yaml_
 static dl_status copy_node(const dl_yaml *yaml, const yaml_node_t *from, dl_yaml_node *to,
                            dl_error *error) {
     to->line = (int)from->start_mark.line + 1;
+    to->begin = from->start_mark.index;
+    to->end = from->end_mark.index;
     if (from->type == YAML_SEQUENCE_NODE) {
         to->kind = DL_YAML_LIST;
         return copy_list(yaml, from, to, error);
@@ -350,6 +355,75 @@ void dl_yaml_free(dl_yaml *yaml) {
     free(yaml->source);
     free(yaml->path);
     free(yaml);
+}
+
+/* --- other texts ------------------------------------------------------------------------------ */
+
+size_t dl_yaml_count(const dl_yaml *yaml) {
+    return yaml->count;
+}
+
+const dl_yaml_node *dl_yaml_at(const dl_yaml *yaml, size_t i) {
+    return &yaml->nodes[i];
+}
+
+bool dl_yaml_is_plain(const dl_yaml_node *node) {
+    return node->kind == DL_YAML_SCALAR && node->plain;
+}
+
+dl_status dl_yaml_set_text(dl_yaml *yaml, const dl_yaml_node *node, const char *text,
+                           dl_error *error) {
+    char *const copy = strdup(text);
+    if (!copy)
+        return dl_fail_memory(error, yaml->path);
+    dl_yaml_node *const own = &yaml->nodes[node - yaml->nodes];
+    free(own->text);
+    own->text = copy;
+    return DL_OK;
+}
+
+/* Where character `index` of UTF-8 text stands; LibYAML does not count a byte order mark. */
+static const char *at_character(const char *source, size_t index) {
+    const char *at = strncmp(source, "\xef\xbb\xbf", 3) == 0 ? source + 3 : source;
+    for (; *at && index > 0; index--)
+        for (at++; ((unsigned char)*at & 0xc0) == 0x80;)
+            at++;
+    return at;
+}
+
+/* The edit that comes after `done` (NULL: the first); NULL where none does. */
+static const dl_yaml_edit *next_edit(size_t count, const dl_yaml_edit *edit,
+                                     const dl_yaml_edit *done) {
+    const dl_yaml_edit *next = NULL;
+    for (size_t i = 0; i < count; i++) {
+        const size_t begin = edit[i].node->begin;
+        if ((!done || begin > done->node->begin) && (!next || begin < next->node->begin))
+            next = &edit[i];
+    }
+    return next;
+}
+
+dl_status dl_yaml_edited(const dl_yaml *yaml, size_t count, const dl_yaml_edit *edit, char **text,
+                         dl_error *error) {
+    size_t size;
+    *text = NULL;
+    FILE *const out = open_memstream(text, &size);
+    if (!out)
+        return dl_fail_memory(error, yaml->path);
+    const char *copied = yaml->source;
+    for (const dl_yaml_edit *at = NULL; (at = next_edit(count, edit, at));) {
+        const char *const begin = at_character(yaml->source, at->node->begin);
+        fwrite(copied, 1, (size_t)(begin - copied), out);
+        fputs(at->text, out);
+        copied = at_character(yaml->source, at->node->end);
+    }
+    fputs(copied, out);
+    const bool failed = ferror(out);
+    if (!fclose(out) && !failed)
+        return DL_OK;
+    free(*text);
+    *text = NULL;
+    return dl_fail_memory(error, yaml->path);
 }
 
 /* --- reading by a table ----------------------------------------------------------------------- */

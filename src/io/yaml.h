@@ -32,6 +32,26 @@ const dl_yaml_node *dl_yaml_item(const dl_yaml_node *node, size_t i); /* list it
 const char *dl_yaml_key(const dl_yaml_node *map, size_t i);           /* map key */
 const dl_yaml_node *dl_yaml_get(const dl_yaml_node *map, const char *key); /* NULL: absent */
 
+/* Every node of the document, keys too, in the order of the file. */
+size_t dl_yaml_count(const dl_yaml *yaml);
+const dl_yaml_node *dl_yaml_at(const dl_yaml *yaml, size_t i);
+
+/* Whether a scalar stands there without quotes. */
+bool dl_yaml_is_plain(const dl_yaml_node *node);
+/* Gives a scalar another text; the source stays. */
+dl_status dl_yaml_set_text(dl_yaml *yaml, const dl_yaml_node *node, const char *text,
+                           dl_error *error);
+
+/* One scalar's place in the source and what is to stand there. */
+typedef struct dl_yaml_edit {
+    const dl_yaml_node *node;
+    const char *text;
+} dl_yaml_edit;
+
+/* The source with `count` different scalars replaced, the caller's. */
+dl_status dl_yaml_edited(const dl_yaml *yaml, size_t count, const dl_yaml_edit *edit, char **text,
+                         dl_error *error);
+
 /* DL_INPUT: "PATH:LINE: KEY: found VALUE, expected EXPECTED". node NULL: the file as a whole. */
 dl_status dl_yaml_fail(const dl_yaml *yaml, const dl_yaml_node *node, const char *key,
                        const char *expected, dl_error *error);

@@ -5,6 +5,7 @@
 #include "driftlab/trajectory.h"
 #include "scene/draft.h"
 #include "scene/initial.h"
+#include "scene/let.h"
 #include "scene/periods.h"
 #include "scene/species.h"
 #include "scene/tables.h"
@@ -321,11 +322,14 @@ static dl_status read_scene(const dl_yaml *yaml, const char *trajectory, dl_scen
     return scene->file && scene->text ? DL_OK : dl_fail_memory(error, "a scene");
 }
 
-static dl_status scene_of(const dl_yaml *yaml, const char *trajectory, dl_scene **scene_out,
+static dl_status scene_of(dl_yaml *yaml, const char *trajectory, dl_scene **scene_out,
                           dl_error *error) {
     dl_scene *const scene = calloc(1, sizeof *scene);
-    const dl_status status = scene ? read_scene(yaml, trajectory, scene, error)
-                                   : dl_fail_memory(error, dl_yaml_path(yaml));
+    if (!scene)
+        return dl_fail_memory(error, dl_yaml_path(yaml));
+    dl_status status = dl_let_apply(yaml, &scene->lets, &scene->let, error);
+    if (!status)
+        status = read_scene(yaml, trajectory, scene, error);
     if (status)
         dl_scene_free(scene);
     else
@@ -341,6 +345,28 @@ dl_status dl_scene_read(const char *path, dl_scene **scene, dl_error *error) {
         return status;
     status = scene_of(yaml, NULL, scene, error);
     dl_yaml_free(yaml);
+    return status;
+}
+
+dl_status dl_scene_read_let(const char *path, size_t count, const dl_let *let, dl_scene **scene,
+                            dl_error *error) {
+    dl_yaml *yaml;
+    char *text = NULL;
+    if (count == 0)
+        return dl_scene_read(path, scene, error);
+    *scene = NULL;
+    dl_status status = dl_yaml_read(path, &yaml, error);
+    if (status)
+        return status;
+    status = dl_let_replace(yaml, count, let, &text, error);
+    dl_yaml_free(yaml);
+    yaml = NULL;
+    if (!status)
+        status = dl_yaml_parse(path, text, &yaml, error);
+    if (!status)
+        status = scene_of(yaml, NULL, scene, error);
+    dl_yaml_free(yaml);
+    free(text);
     return status;
 }
 

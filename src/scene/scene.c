@@ -13,6 +13,7 @@ void dl_scene_free(dl_scene *scene) {
     free(scene->source);
     free(scene->file);
     free(scene->text);
+    free(scene->let);
     free(scene->start);
     free(scene->position);
     free(scene->velocity);
@@ -57,8 +58,11 @@ static dl_status copy_texts(const dl_scene *from, dl_scene *to, dl_error *error)
     to->source = strdup(from->source);
     to->file = strdup(from->file);
     to->text = strdup(from->text);
-    return to->name && to->source && to->file && to->text ? DL_OK
-                                                          : dl_fail_memory(error, "a scene");
+    to->let = malloc((from->lets + 1) * sizeof *to->let);
+    if (to->let && from->lets > 0)
+        memcpy(to->let, from->let, from->lets * sizeof *to->let);
+    const bool complete = to->name && to->source && to->file && to->text && to->let;
+    return complete ? DL_OK : dl_fail_memory(error, "a scene");
 }
 
 static void copy_particles(const dl_scene *from, dl_scene *to) {
@@ -95,6 +99,7 @@ static dl_status copy_species(const dl_scene *from, dl_scene *to, dl_error *erro
 static dl_status copy_scene(const dl_scene *from, dl_scene *to, dl_error *error) {
     *to = *from;
     to->name = to->source = to->file = to->text = to->start = NULL;
+    to->let = NULL;
     to->position = to->velocity = to->inertia = to->coupling = NULL;
     to->feels_gravity = to->pinned = NULL;
     to->species_of = NULL;

@@ -83,7 +83,10 @@ const dl_scene_section dl_section_scene = {
     .within = "scene",
     .doc = "The top of the file.",
     .table = TABLE(scene_rows),
-    .key = {{"particles", "[PARTICLE, ...]", "particles, in the order of the results"},
+    .key = {{"let", "{NAME: NUMBER, ...}",
+             "numbers by name; a value without quotes may be $NAME, or a product or quotient such "
+             "as -2*$NAME/$OTHER; --let NAME=NUMBER sets another"},
+            {"particles", "[PARTICLE, ...]", "particles, in the order of the results"},
             {"start", "START", "particles from another run, before those; absent: none"},
             {"pair_law", "[PIECE, ...]", "radial pieces of the pair force; absent: no pair force"},
             {"pair_laws", "[PAIR, ...]", "laws by species, in the place of pair_law"},
