@@ -77,7 +77,7 @@ typedef struct dl_method_row {
     unsigned flags;
     dl_parameter_table options;
     size_t options_size; /* of the structure the table describes; its objects are longer: only
-                          * dl_method_options_create makes them */
+                          * dl_method_options_create and _copy make them */
     const void *variant; /* the family's own: a coefficient table, a solver choice ... */
     const dl_method_ops *ops;
 } dl_method_row;
@@ -112,6 +112,8 @@ dl_status dl_method_options_set(const dl_method_row *row, void *options, const c
 /* "step=0.01 order=4": every option that is used as the others are set, in table order. */
 void dl_method_options_format(const dl_method_row *row, const void *options, char *text,
                               size_t size);
+dl_status dl_method_options_copy(const dl_method_row *row, const void *options, void **copy,
+                                 dl_error *error);
 void dl_method_options_free(const dl_method_row *row, void *options);
 
 /* `options` is copied; one that was set although it is not used as the others are set is refused

@@ -8,6 +8,7 @@
  * model/discrete.c. A symmetric composition of such steps conserves what they do. */
 #include "methods/conserving.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -68,15 +69,35 @@ static dl_status guess(const dl_method *method, double h, dl_conserving_solver *
     if (!isfinite(size))
         return dl_fail(error, DL_UNSTABLE, "the step's displacement is not finite");
     solver->step.size = size > 0 ? size : 1;
+    /* what is at rest moves by less than its coordinates' last digit */
+    solver->step.floor = 4 * DBL_EPSILON * largest(data->state.q, method->n);
     solver->step.h = h;
     return dl_model_crossings_begin(method->model, data->state.q, data->displacement, h, error);
+}
+
+/* A first guess that was far too long (two particles begin deep in each other's repulsion) has made
+ * residuals look small: solves again, measured by the displacement found, until that is right. */
+static dl_status sharpen(const dl_method *method, dl_conserving_solver *solver, dl_error *error) {
+    enum { most_times = 8 };
+    static const double far_too_long = 1e3;
+    const conserving *const data = method->data;
+    dl_status status = DL_OK;
+    for (int times = 0; times < most_times && !status; times++) {
+        const double size = largest(data->displacement, method->n);
+        if (!(size > solver->step.floor && size * far_too_long < solver->step.size))
+            break;
+        solver->step.size = size;
+        status = dl_conserving_solve(solver, error);
+    }
+    return status;
 }
 
 static dl_status attempt(dl_method *method, double h, dl_conserving_solver *solver, start from,
                          dl_error *error) {
     dl_status status = predict(method, h, from, error);
     status = status ? status : guess(method, h, solver, error);
-    return status ? status : dl_conserving_solve(solver, error);
+    status = status ? status : dl_conserving_solve(solver, error);
+    return status ? status : sharpen(method, solver, error);
 }
 
 static dl_status create_rescue(dl_method *method, dl_error *error) {

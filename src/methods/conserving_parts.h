@@ -7,8 +7,9 @@
 /* --- conserving_system.c: the equations as KINSOL calls them -------------------------------------
  */
 
-/* Residuals within this part of the displacement that no longer fall are roundoff. */
-extern const double dl_conserving_roundoff;
+/* Residuals up to this that no longer fall are roundoff: a part of the displacement, or of the
+ * positions where that is more. */
+double dl_conserving_roundoff(const dl_conserving_step *step);
 
 /* Forgets the residuals of an earlier attempt. */
 void dl_conserving_begin(dl_conserving_solver *solver);

@@ -68,8 +68,8 @@ static attempt call_kinsol(dl_conserving_solver *solver, int strategy, bool goes
  * point takes a short step for a small residual; with Anderson's acceleration it can be far from
  * one, where the residuals it combines depend on one another. */
 static bool has_converged(dl_conserving_solver *solver, int flag) {
-    const double limit =
-        fmax(dl_conserving_roundoff, 10 * solver->settings.tolerance) * solver->step.size;
+    const double limit = fmax(dl_conserving_roundoff(&solver->step),
+                              10 * solver->settings.tolerance * solver->step.size);
     if (!succeeded(flag) && !(gave_up(flag) && solver->best <= limit))
         return false;
     if (solver->last > limit) {

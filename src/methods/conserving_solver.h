@@ -33,6 +33,7 @@ typedef struct dl_conserving_step {
     double *delta; /* in: a first guess; out: the solution, or its image under the iteration */
     double *a;     /* out: mean acceleration at the solution */
     double size;   /* of the displacement: what residuals are measured by, > 0 */
+    double floor;  /* residual that is roundoff of the positions, however small the displacement */
 } dl_conserving_step;
 
 typedef struct dl_conserving_counts {

@@ -2,7 +2,9 @@
 
 #include "methods/conserving_parts.h"
 
-const double dl_conserving_roundoff = 1e-11;
+double dl_conserving_roundoff(const dl_conserving_step *step) {
+    return fmax(1e-11 * step->size, step->floor);
+}
 
 /* A trial displacement this many times the step's is nonsense that would cost a neighbour list of
  * everything. */
@@ -61,7 +63,7 @@ static void judge(dl_conserving_solver *solver, double residual) {
 
 /* Whether the residual has come down to roundoff and stays there. */
 static bool is_at_roundoff(const dl_conserving_solver *solver) {
-    return solver->since_best >= 2 && solver->last <= dl_conserving_roundoff * solver->step.size;
+    return solver->since_best >= 2 && solver->last <= dl_conserving_roundoff(&solver->step);
 }
 
 /* An iteration that KINSOL does not watch ends after an answer that is not 0 (KINSOL would go on

@@ -115,6 +115,16 @@ void dl_method_options_format(const dl_method_row *row, const void *options, cha
     }
 }
 
+/* Numbers, flags and words are copied as they are: no method has an option that is a text. */
+dl_status dl_method_options_copy(const dl_method_row *row, const void *options, void **copy,
+                                 dl_error *error) {
+    *copy = malloc(whole_size(row));
+    if (!*copy)
+        return dl_fail_memory(error, "the options of a method");
+    memcpy(*copy, options, whole_size(row));
+    return DL_OK;
+}
+
 void dl_method_options_free(const dl_method_row *row, void *options) {
     if (!options)
         return;
@@ -124,12 +134,6 @@ void dl_method_options_free(const dl_method_row *row, void *options) {
 
 /* --- methods at work ---------------------------------------------------------------------------
  */
-
-/* Numbers, flags and words are copied as they are: no method has an option that is a text. */
-static void *options_copy(const dl_method_row *row, const void *options) {
-    void *const copy = malloc(whole_size(row));
-    return copy ? memcpy(copy, options, whole_size(row)) : NULL;
-}
 
 /* What was set and is not used, would be ignored. */
 static dl_status refuse_unused(const dl_method_row *row, const void *options, dl_error *error) {
@@ -159,9 +163,8 @@ dl_status dl_method_create(const dl_method_row *row, dl_model *model, const void
     created->row = row;
     created->model = model;
     created->n = model->unknowns;
-    created->options = options_copy(row, options);
     created->y = malloc(2 * created->n * sizeof *created->y);
-    if (!created->options || !created->y) {
+    if (dl_method_options_copy(row, options, &created->options, NULL) || !created->y) {
         dl_method_destroy(created);
         return dl_fail_memory(error, "a method's state");
     }
