@@ -17,6 +17,8 @@
  *     /cases/0000 ...    attributes: the fields of dl_case and, under the same names, of its
  *                        summary (status as its name); datasets: sample_time,
  *                        sample_energy_error, sample_position_error [samples]
+ *     /findings/0000 ... attributes: the fields of dl_finding; datasets: quantity [quantities][3],
+ *                        table [rows][columns]
  *
  * Groups stand in the order of the arrays. Text is UTF-8 of fixed length, reals are IEEE doubles
  * (NaN: does not apply), counts 64-bit unsigned integers. The attributes choice, inexact_steps and
@@ -74,6 +76,26 @@ typedef struct dl_reference {
     double *position_low; /* what is to be added to it */
 } dl_reference;
 
+/* What a study of another kind than work-precision finds for one method on one scene: named
+ * quantities, a table and a verdict. Which these are is the kind's own (src/study/kind_*.c). Names
+ * stand in one text, a line each. */
+typedef struct dl_finding {
+    char *key; /* its identity, as a case's */
+    char *scene, *method, *family, *options, *command;
+    dl_status status; /* DL_OK: it was measured, whatever the verdict */
+    char message[DL_MESSAGE_SIZE];
+    char *verdict; /* "pass", "fail", "stable", "not measurable" ...: the kind's words */
+    char *reason;  /* the verdict in a sentence, with its figures */
+    double cpu_seconds;
+    size_t quantities;
+    char *quantity_names; /* lines: "NAME" or "NAME [UNIT]" */
+    double *quantity;     /* [quantities][3]: value and interval of confidence (NaN: none) */
+    size_t rows, columns;
+    char *column_names; /* lines, as above */
+    char *row_words;    /* lines: a word or sentence for each row, "" where it needs none */
+    double *table;      /* [rows][columns] */
+} dl_finding;
+
 /* One named text of the provenance: "compiler", "machine", "sundials", "command" ... */
 typedef struct dl_fact {
     char *name, *value;
@@ -96,6 +118,8 @@ typedef struct dl_results {
     dl_reference *reference;
     size_t cases;
     dl_case *cased;
+    size_t findings;
+    dl_finding *finding;
 } dl_results;
 
 /* *results is freshly allocated (empty strings, no arrays). */
@@ -112,6 +136,7 @@ const dl_case *dl_results_find(const dl_results *results, const char *key);
 /* Appends; takes over what *added owns (on failure the caller keeps it). */
 dl_status dl_results_add_case(dl_results *results, const dl_case *added, dl_error *error);
 dl_status dl_results_add_reference(dl_results *results, const dl_reference *added, dl_error *error);
+dl_status dl_results_add_finding(dl_results *results, const dl_finding *added, dl_error *error);
 dl_status dl_results_add_scene(dl_results *results, const dl_scene_record *added, dl_error *error);
 /* Sets the fact of that name, or appends it. */
 dl_status dl_results_add_fact(dl_results *results, const char *name, const char *value,
@@ -121,8 +146,15 @@ const char *dl_results_fact(const dl_results *results, const char *name);
 /* The reference of that scene, or NULL. */
 const dl_reference *dl_results_reference(const dl_results *results, const char *scene);
 
+/* The finding with that key or NULL. */
+const dl_finding *dl_results_find_finding(const dl_results *results, const char *key);
+/* A finding's quantity by its name, without the unit; NULL where it has none of it, otherwise
+ * [3]: value, low, high. */
+const double *dl_finding_quantity(const dl_finding *finding, const char *name);
+
 /* Free what the structure owns, not the structure. */
 void dl_case_release(dl_case *cased);
+void dl_finding_release(dl_finding *finding);
 void dl_reference_release(dl_reference *reference);
 
 /* The cheapest case (by CPU seconds) of that scene whose error in `asked_in` is at most `error`;
@@ -136,9 +168,16 @@ const dl_case *dl_results_cheapest(const dl_results *results, const char *scene,
  * scale); NaN where it has none. */
 double dl_case_error(const dl_case *cased, const char *asked_in);
 
+/* What that error is certainly below: a position error that is smaller than the reference (NULL:
+ * there is none) can tell is at most that much larger. Infinite for a run that does not count. */
+double dl_case_bound(const dl_case *cased, const char *asked_in, const dl_reference *reference);
+
 /* "cheapest for a position error of 1e-06 on stream: METHOD with OPTIONS (0.012 CPU s, 1400 force
  * evaluations)", or that nothing reached it and which came closest. */
 void dl_results_answer(const dl_results *results, const char *scene, char *text, size_t size);
+
+/* Verdict, reason and quantities of a finding, or why it could not be measured, as text. */
+void dl_finding_print(const dl_finding *finding, FILE *out);
 
 /* The table of all cases and the answer for every scene, as text. */
 void dl_results_print(const dl_results *results, FILE *out);

@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdio.h>
 #include "driftlab/results.h"
+#include "driftlab/scene.h"
 #include "driftlab/status.h"
 
 typedef struct dl_study dl_study;
@@ -37,6 +38,7 @@ typedef struct dl_study_options {
     const char *results;           /* path of the results file; required */
     const char *command;           /* command line, for the results' facts; NULL: none */
     bool force;                    /* run every case, kept ones too */
+    size_t processes;              /* cases side by side, each on a processor; 0: 1 */
     const volatile int *interrupt; /* non-zero: kill the running case, keep the others. NULL ok */
     /* Called at the start of each case and about five times a second. May be NULL. */
     void (*on_progress)(void *context, const dl_study_progress *progress);
@@ -49,5 +51,30 @@ typedef struct dl_study_options {
  * *results, owned by the caller, is what the file holds (NULL where there is none). */
 dl_status dl_study_run(const dl_study *study, const dl_study_options *options, dl_results **results,
                        dl_error *error);
+
+/* --- one unit alone --------------------------------------------------------------------------- */
+
+/* A method with its options on one scene, asked what a study of some kind asks. */
+typedef struct dl_measure_request {
+    const char *kind, *scene, *method; /* names, and the scene's file */
+    size_t settings;
+    const char *const *key, *const *value; /* [settings]: of the method and of the kind */
+    size_t lets;
+    const dl_let *let;             /* [lets]: numbers of the scene (scene.h) */
+    double end;                    /* 0: the scene's */
+    double sample;                 /* 0: as many samples as the kind's studies have */
+    double seconds;                /* CPU time of one run; 0: no limit */
+    const volatile int *interrupt; /* as in a study */
+    /* Told what the unit tells of its progress. May be NULL. */
+    void (*on_progress)(void *context, const char *text);
+    void *context;
+} dl_measure_request;
+
+/* Measures it in a child process, with a study's limit on memory. A unit that fails is a finding
+ * with a status: DL_OK. DL_INPUT for what is refused, and for the kind work-precision, which
+ * measures cases against a reference; DL_INTERRUPTED, DL_MEMORY, DL_IO. Free the finding with
+ * dl_finding_release. */
+dl_status dl_study_measure_alone(const dl_measure_request *request, dl_finding *finding,
+                                 dl_error *error);
 
 #endif

@@ -13,6 +13,7 @@
 typedef struct study_values {
     char *out, *report;
     bool force;
+    long jobs;
 } study_values;
 
 static const dl_parameter options[] = {
@@ -31,6 +32,14 @@ static const dl_parameter options[] = {
      .offset = offsetof(study_values, force),
      .fallback = "false",
      .doc = "run every case again, finished ones too"},
+    {.name = "jobs",
+     .kind = DL_INTEGER,
+     .offset = offsetof(study_values, jobs),
+     .unit = "N",
+     .minimum = 1,
+     .maximum = 1024,
+     .fallback = "1",
+     .doc = "cases side by side, each kept to a processor of its own; also -j N"},
 };
 
 static void show_progress(void *context, const dl_study_progress *progress) {
@@ -43,12 +52,14 @@ static void show_progress(void *context, const dl_study_progress *progress) {
     cli_show_progress(line);
 }
 
-static dl_status run_study(const dl_study *study, const char *results_path, bool force,
-                           const char *line, dl_results **results, dl_error *error) {
+static dl_status run_study(const dl_study *study, const char *results_path,
+                           const study_values *values, const char *line, dl_results **results,
+                           dl_error *error) {
     const bool progress = cli_shows_progress();
     const dl_study_options how = {.results = results_path,
                                   .command = line,
-                                  .force = force,
+                                  .force = values->force,
+                                  .processes = (size_t)values->jobs,
                                   .interrupt = cli_catch_signals(),
                                   .on_progress = progress ? show_progress : NULL};
     const dl_status status = dl_study_run(study, &how, results, error);
@@ -67,7 +78,7 @@ static cli_exit study_command(const cli_input *input) {
     dl_status status = path ? dl_study_read(input->word[0], &study, &error)
                             : dl_fail_memory(&error, "a file name");
     if (!status)
-        status = run_study(study, path, values->force, input->line, &results, &error);
+        status = run_study(study, path, values, input->line, &results, &error);
     if (!status) {
         dl_results_print(results, stdout);
         printf("results: %s\n", path);

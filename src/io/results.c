@@ -46,6 +46,10 @@ void dl_reference_release(dl_reference *reference) {
     dl_record_release(&dl_results_records[DL_RECORD_REFERENCES], reference);
 }
 
+void dl_finding_release(dl_finding *finding) {
+    dl_record_release(&dl_results_records[DL_RECORD_FINDINGS], finding);
+}
+
 /* Appends a copy of the structure itself. */
 static dl_status append(dl_results *results, int which, const void *added, dl_error *error) {
     const dl_record *record = &dl_results_records[which];
@@ -62,6 +66,10 @@ static dl_status append(dl_results *results, int which, const void *added, dl_er
 
 dl_status dl_results_add_case(dl_results *results, const dl_case *added, dl_error *error) {
     return append(results, DL_RECORD_CASES, added, error);
+}
+
+dl_status dl_results_add_finding(dl_results *results, const dl_finding *added, dl_error *error) {
+    return append(results, DL_RECORD_FINDINGS, added, error);
 }
 
 dl_status dl_results_add_reference(dl_results *results, const dl_reference *added,
@@ -116,5 +124,25 @@ const dl_case *dl_results_find(const dl_results *results, const char *key) {
     for (size_t i = 0; i < results->cases; i++)
         if (strcmp(results->cased[i].key, key) == 0)
             return &results->cased[i];
+    return NULL;
+}
+
+const dl_finding *dl_results_find_finding(const dl_results *results, const char *key) {
+    for (size_t i = 0; i < results->findings; i++)
+        if (strcmp(results->finding[i].key, key) == 0)
+            return &results->finding[i];
+    return NULL;
+}
+
+const double *dl_finding_quantity(const dl_finding *finding, const char *name) {
+    const size_t length = strlen(name);
+    const char *line = finding->quantity_names;
+    for (size_t i = 0; line && i < finding->quantities; i++) {
+        if (strncmp(line, name, length) == 0 &&
+            (line[length] == '\n' || line[length] == '\0' || strncmp(line + length, " [", 2) == 0))
+            return finding->quantity + 3 * i;
+        line = strchr(line, '\n');
+        line = line ? line + 1 : NULL;
+    }
     return NULL;
 }

@@ -137,6 +137,8 @@ static dl_status read_field(const place *at, hid_t owner, const dl_record *recor
     void *value = dl_field_at(field, element);
     if (is_missing(owner, field))
         return set_missing(at, field, value);
+    if (dl_field_is_array(field->kind))
+        return read_series(at, owner, record, field, element, value);
     switch (field->kind) {
     case DL_FIELD_TEXT:
         return read_text(at, owner, field->name, value);
@@ -146,9 +148,6 @@ static dl_status read_field(const place *at, hid_t owner, const dl_record *recor
         return read_message(at, owner, field->name, value);
     case DL_FIELD_STATUS:
         return read_status(at, owner, field->name, value);
-    case DL_FIELD_SERIES:
-    case DL_FIELD_POSITIONS:
-        return read_series(at, owner, record, field, element, value);
     default:
         return read_number(at, owner, field, value);
     }
@@ -185,6 +184,9 @@ static dl_status read_elements(place *at, hid_t group, const dl_record *record, 
 static dl_status read_record(place *at, hid_t file, const dl_record *record, dl_results *results) {
     size_t *count = (size_t *)((char *)results + record->count);
     char **array = (char **)((char *)results + record->array);
+    if (record == &dl_results_records[DL_RECORD_FINDINGS] &&
+        H5Lexists(file, record->group, H5P_DEFAULT) == 0)
+        return DL_OK; /* a file from before there were any */
     hid_t group = H5Gopen2(file, record->group, H5P_DEFAULT);
     if (group < 0)
         return lacks(at, record->group, "a group");

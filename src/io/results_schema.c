@@ -107,6 +107,28 @@ static const dl_field case_fields[] = {
     FIELD(dl_case, TEXT, refused),
 };
 
+static const dl_field finding_fields[] = {
+    FIELD(dl_finding, TEXT, key),
+    FIELD(dl_finding, TEXT, scene),
+    FIELD(dl_finding, TEXT, method),
+    FIELD(dl_finding, TEXT, family),
+    FIELD(dl_finding, TEXT, options),
+    FIELD(dl_finding, TEXT, command),
+    FIELD(dl_finding, STATUS, status),
+    FIELD(dl_finding, MESSAGE, message),
+    FIELD(dl_finding, TEXT, verdict),
+    FIELD(dl_finding, TEXT, reason),
+    FIELD(dl_finding, REAL, cpu_seconds),
+    FIELD(dl_finding, SIZE, quantities),
+    FIELD(dl_finding, LONG_TEXT, quantity_names),
+    FIELD(dl_finding, SIZE, rows),
+    FIELD(dl_finding, SIZE, columns),
+    FIELD(dl_finding, LONG_TEXT, column_names),
+    FIELD(dl_finding, LONG_TEXT, row_words),
+    FIELD(dl_finding, QUANTITIES, quantity),
+    FIELD(dl_finding, TABLE, table),
+};
+
 #define RECORD(groupname, table, type, counter, pointer)                                           \
     .group = groupname, .fields = table, .field_count = sizeof table / sizeof *table,              \
     .size = sizeof(type), .count = offsetof(dl_results, counter),                                  \
@@ -127,7 +149,17 @@ const dl_record dl_results_records[DL_RECORDS] = {
                               .samples = offsetof(dl_reference, samples)},
     [DL_RECORD_CASES] = {RECORD("cases", case_fields, dl_case, cases, cased),
                          .samples = offsetof(dl_case, samples)},
+    [DL_RECORD_FINDINGS] = {RECORD("findings", finding_fields, dl_finding, findings, finding)},
 };
+
+bool dl_field_is_array(dl_field_kind kind) {
+    return kind == DL_FIELD_SERIES || kind == DL_FIELD_POSITIONS || kind == DL_FIELD_QUANTITIES ||
+           kind == DL_FIELD_TABLE;
+}
+
+bool dl_field_is_text(dl_field_kind kind) {
+    return kind == DL_FIELD_TEXT || kind == DL_FIELD_LONG_TEXT;
+}
 
 void *dl_field_at(const dl_field *field, const void *element) {
     return (char *)(uintptr_t)element + field->offset;
@@ -135,6 +167,13 @@ void *dl_field_at(const dl_field *field, const void *element) {
 
 int dl_field_shape(const dl_record *record, const dl_field *field, const void *element,
                    hsize_t shape[2]) {
+    if (field->kind == DL_FIELD_QUANTITIES || field->kind == DL_FIELD_TABLE) {
+        const dl_finding *finding = element;
+        const bool table = field->kind == DL_FIELD_TABLE;
+        shape[0] = table ? finding->rows : finding->quantities;
+        shape[1] = table ? finding->columns : 3;
+        return 2;
+    }
     shape[0] = *(const size_t *)((const char *)element + record->samples);
     shape[1] = 1;
     if (field->kind != DL_FIELD_POSITIONS)
@@ -167,8 +206,7 @@ hid_t dl_field_stored(dl_field_kind kind) {
 void dl_record_release(const dl_record *record, void *element) {
     for (size_t i = 0; i < record->field_count; i++) {
         const dl_field *field = &record->fields[i];
-        if (field->kind == DL_FIELD_TEXT || field->kind == DL_FIELD_LONG_TEXT ||
-            field->kind == DL_FIELD_SERIES || field->kind == DL_FIELD_POSITIONS) {
+        if (dl_field_is_text(field->kind) || dl_field_is_array(field->kind)) {
             void **owned = dl_field_at(field, element);
             free(*owned);
             *owned = NULL;

@@ -11,17 +11,19 @@
 #define DL_RESULTS_VERSION 1
 
 typedef enum dl_field_kind {
-    DL_FIELD_TEXT,      /* char *, attribute */
-    DL_FIELD_LONG_TEXT, /* char *, scalar dataset: attributes end at 64 KiB */
-    DL_FIELD_MESSAGE,   /* char [DL_MESSAGE_SIZE], attribute */
-    DL_FIELD_STATUS,    /* dl_status, its name as attribute */
-    DL_FIELD_REAL,      /* double, attribute */
-    DL_FIELD_UNSIGNED,  /* unsigned, attribute */
-    DL_FIELD_ULONG,     /* unsigned long, attribute */
-    DL_FIELD_SIZE,      /* size_t, attribute */
-    DL_FIELD_INT,       /* int, attribute */
-    DL_FIELD_SERIES,    /* double *[samples], dataset */
-    DL_FIELD_POSITIONS, /* double *[samples][dimension * particles] of a reference, dataset */
+    DL_FIELD_TEXT,       /* char *, attribute */
+    DL_FIELD_LONG_TEXT,  /* char *, scalar dataset: attributes end at 64 KiB */
+    DL_FIELD_MESSAGE,    /* char [DL_MESSAGE_SIZE], attribute */
+    DL_FIELD_STATUS,     /* dl_status, its name as attribute */
+    DL_FIELD_REAL,       /* double, attribute */
+    DL_FIELD_UNSIGNED,   /* unsigned, attribute */
+    DL_FIELD_ULONG,      /* unsigned long, attribute */
+    DL_FIELD_SIZE,       /* size_t, attribute */
+    DL_FIELD_INT,        /* int, attribute */
+    DL_FIELD_SERIES,     /* double *[samples], dataset */
+    DL_FIELD_POSITIONS,  /* double *[samples][dimension * particles] of a reference, dataset */
+    DL_FIELD_QUANTITIES, /* double *[quantities][3] of a finding, dataset */
+    DL_FIELD_TABLE,      /* double *[rows][columns] of a finding, dataset */
 } dl_field_kind;
 
 typedef struct dl_field {
@@ -42,10 +44,22 @@ typedef struct dl_record {
     size_t samples; /* offset in an element of its number of samples, where it has series */
 } dl_record;
 
-enum { DL_RECORD_FACTS, DL_RECORD_SCENES, DL_RECORD_REFERENCES, DL_RECORD_CASES, DL_RECORDS };
+enum {
+    DL_RECORD_FACTS,
+    DL_RECORD_SCENES,
+    DL_RECORD_REFERENCES,
+    DL_RECORD_CASES,
+    DL_RECORD_FINDINGS,
+    DL_RECORDS
+};
 
 extern const dl_record dl_results_head; /* fields of dl_results itself */
 extern const dl_record dl_results_records[DL_RECORDS];
+
+/* Whether a field is an array of reals, a dataset. */
+bool dl_field_is_array(dl_field_kind kind);
+
+bool dl_field_is_text(dl_field_kind kind);
 
 /* Value of a field in its element. */
 void *dl_field_at(const dl_field *field, const void *element);
@@ -60,5 +74,13 @@ hid_t dl_field_stored(dl_field_kind kind);
 
 /* Frees what an element owns. */
 void dl_record_release(const dl_record *record, void *element);
+
+/* An element as bytes, for another process of the same program, and back: every field in the order
+ * of the record, texts after their length. *bytes is the caller's; on failure of unpack, too, the
+ * element is to be released. */
+dl_status dl_record_pack(const dl_record *record, const void *element, void **bytes, size_t *size,
+                         dl_error *error);
+dl_status dl_record_unpack(const dl_record *record, const void *bytes, size_t size, void *element,
+                           dl_error *error);
 
 #endif

@@ -62,6 +62,12 @@ static int write_long_text(hid_t owner, const char *name, const char *text) {
 static int write_field(hid_t owner, const dl_record *record, const dl_field *field,
                        const void *element) {
     const void *value = dl_field_at(field, element);
+    if (dl_field_is_array(field->kind)) {
+        hsize_t shape[2];
+        int rank = dl_field_shape(record, field, element, shape);
+        return write_dataset(owner, field->name, H5Screate_simple(rank, shape, NULL),
+                             H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, *(double *const *)value);
+    }
     switch (field->kind) {
     case DL_FIELD_TEXT:
         return write_text(owner, field->name, *(char *const *)value);
@@ -71,13 +77,6 @@ static int write_field(hid_t owner, const dl_record *record, const dl_field *fie
         return write_text(owner, field->name, value);
     case DL_FIELD_STATUS:
         return write_text(owner, field->name, dl_status_name(*(const dl_status *)value));
-    case DL_FIELD_SERIES:
-    case DL_FIELD_POSITIONS: {
-        hsize_t shape[2];
-        int rank = dl_field_shape(record, field, element, shape);
-        return write_dataset(owner, field->name, H5Screate_simple(rank, shape, NULL),
-                             H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, *(double *const *)value);
-    }
     default:
         return write_attribute(owner, field->name, dl_field_stored(field->kind),
                                dl_field_native(field->kind), value);

@@ -5,6 +5,7 @@
 #include <string.h>
 #include "driftlab/reference.h"
 #include "driftlab/results.h"
+#include "study/kind.h"
 
 enum { OPTIONS_SIZE = 512 };
 
@@ -17,16 +18,17 @@ double dl_case_error(const dl_case *cased, const char *asked_in) {
                                : cased->position_error;
 }
 
-/* What the error is certainly below: a position error that is smaller than the reference can tell
- * is at most that much larger. Infinite for a run that does not count. */
-static double bound(const dl_results *results, const dl_case *cased, const char *asked_in) {
+double dl_case_bound(const dl_case *cased, const char *asked_in, const dl_reference *reference) {
     const double error = dl_case_error(cased, asked_in);
     if (cased->summary.status != DL_OK || *cased->invalid || !isfinite(error))
         return INFINITY;
     if (in_energy(asked_in) || !*cased->refused)
         return error;
-    const dl_reference *reference = dl_results_reference(results, cased->scene);
     return reference ? error + reference->error : INFINITY;
+}
+
+static double bound(const dl_results *results, const dl_case *cased, const char *asked_in) {
+    return dl_case_bound(cased, asked_in, dl_results_reference(results, cased->scene));
 }
 
 const dl_case *dl_results_cheapest(const dl_results *results, const char *scene,
@@ -54,7 +56,18 @@ static const dl_case *closest(const dl_results *results, const char *scene) {
     return best;
 }
 
+static const dl_study_kind *kind_of(const dl_results *results) {
+    for (size_t k = 0; dl_study_kinds[k]; k++)
+        if (strcmp(results->kind, dl_study_kinds[k]) == 0)
+            return dl_study_kind_rows[k];
+    return &dl_study_kind_work_precision;
+}
+
 void dl_results_answer(const dl_results *results, const char *scene, char *text, size_t size) {
+    if (kind_of(results)->answer) {
+        kind_of(results)->answer(results, scene, text, size);
+        return;
+    }
     const char *in = results->asked_in, *article = in_energy(in) ? "an" : "a";
     const dl_case *found = dl_results_cheapest(results, scene, in, results->asked_error);
     if (found) {
@@ -152,6 +165,33 @@ static void print_case(const dl_results *results, const dl_case *cased, widths w
             number(dl_case_error(cased, "energy"), energy));
 }
 
+void dl_finding_print(const dl_finding *finding, FILE *out) {
+    fprintf(out, "  %s %s: ", finding->method, finding->options);
+    if (finding->status != DL_OK)
+        fprintf(out, "could not be measured (%s): %s\n", dl_status_name(finding->status),
+                finding->message);
+    else
+        fprintf(out, "%s: %s\n", finding->verdict, finding->reason);
+    const char *name = finding->quantity_names;
+    for (size_t i = 0; i < finding->quantities; i++) {
+        const double *value = finding->quantity + 3 * i;
+        const int length = (int)strcspn(name, "\n");
+        fprintf(out, "    %.*s: ", length, name);
+        fprintf(out, isfinite(value[0]) ? "%.6g" : "does not apply", value[0]);
+        if (isfinite(value[1]) && isfinite(value[2]))
+            fprintf(out, " (%.6g to %.6g)", value[1], value[2]);
+        fputc('\n', out);
+        name += length + (name[length] == '\n');
+    }
+}
+
+static void print_findings(const dl_results *results, const char *scene, FILE *out) {
+    fprintf(out, "%s\n", scene);
+    for (size_t i = 0; i < results->findings; i++)
+        if (strcmp(results->finding[i].scene, scene) == 0)
+            dl_finding_print(&results->finding[i], out);
+}
+
 static void print_scene(const dl_results *results, const char *scene, FILE *out) {
     const widths wide = measure(results);
     fprintf(out, "%s (errors: RMS position at the end; energy, largest, in units of its scale)\n",
@@ -183,6 +223,10 @@ void dl_results_print(const dl_results *results, FILE *out) {
     for (size_t s = 0; s < results->scenes; s++) {
         const char *scene = results->scene[s].name;
         const dl_reference *reference = dl_results_reference(results, scene);
+        if (kind_of(results)->measure) {
+            print_findings(results, scene, out);
+            continue;
+        }
         print_scene(results, scene, out);
         print_refused(results, scene, out);
         if (reference)

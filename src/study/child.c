@@ -1,8 +1,3 @@
-#ifdef __linux__
-#define _GNU_SOURCE /* sched_setaffinity */
-#include <sched.h>
-#include <sys/prctl.h>
-#endif
 #include "study/child.h"
 
 #include <errno.h>
@@ -15,25 +10,14 @@
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
+#include "study/message.h"
+#include "study/process.h"
 
 /* --- the child ----------------------------------------------------------------------------- */
 
-static void send_bytes(int pipe, const void *data, size_t size) {
-    const char *at = data;
-    while (size > 0) {
-        ssize_t written = write(pipe, at, size);
-        if (written < 0 && errno == EINTR)
-            continue;
-        if (written < 0)
-            _exit(EXIT_FAILURE);
-        at += written;
-        size -= (size_t)written;
-    }
-}
-
 void dl_child_send(int pipe, const void *data, size_t size) {
-    send_bytes(pipe, &size, sizeof size);
-    send_bytes(pipe, data, size);
+    if (!dl_message_send(pipe, data, size))
+        _exit(EXIT_FAILURE);
 }
 
 static void limit(int resource, rlim_t value) {
@@ -52,29 +36,8 @@ static void limit_memory(long mebibytes) {
 #endif
 }
 
-/* Keeps the processor's caches and clock the same during a case. */
-static void stay_on_this_processor(void) {
-#ifdef __linux__
-    int here = sched_getcpu();
-    if (here >= 0 && here < CPU_SETSIZE) {
-        cpu_set_t set;
-        CPU_ZERO(&set);
-        CPU_SET((size_t)here, &set);
-        sched_setaffinity(0, sizeof set, &set);
-    }
-#endif
-}
-
-static void end_with_parent(pid_t parent) {
-#ifdef __linux__
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-#endif
-    if (getppid() != parent)
-        _exit(EXIT_FAILURE);
-}
-
 static void prepare_child(const dl_child_work *work, pid_t parent) {
-    end_with_parent(parent);
+    dl_process_end_with(parent);
     /* Control-C at a terminal reaches the child too: the parent decides what ends it. */
     signal(SIGINT, SIG_IGN);
     signal(SIGTERM, SIG_DFL);
@@ -82,8 +45,9 @@ static void prepare_child(const dl_child_work *work, pid_t parent) {
     limit(RLIMIT_CORE, 0);
     /* No RLIMIT_CPU: with it, Linux gives a process's CPU time in whole ticks (measured: 4 ms),
      * which would be the resolution of every case's time. The parent watches the clocks. */
-    limit_memory(work->memory);
-    stay_on_this_processor();
+    if (work->memory > 0)
+        limit_memory(work->memory);
+    dl_process_stay_here(); /* caches and clock stay the same during a case */
 }
 
 /* --- the parent ---------------------------------------------------------------------------- */
@@ -91,9 +55,7 @@ static void prepare_child(const dl_child_work *work, pid_t parent) {
 typedef struct parent {
     const dl_child_work *work;
     pid_t child;
-    int pipe;
-    char *data; /* the message that is arriving: size, then bytes */
-    size_t length, room;
+    dl_message message;
     double heard_cpu, heard_wall; /* clocks at the last message */
 } parent;
 
@@ -128,45 +90,14 @@ static dl_status check_clocks(const parent *from, dl_error *error) {
                    cpu, wall, limit);
 }
 
-/* Bytes that are wanted next. */
-static size_t wanted(const parent *from) {
-    size_t size = 0;
-    if (from->length < sizeof size)
-        return sizeof size - from->length;
-    memcpy(&size, from->data, sizeof size);
-    return sizeof size + size - from->length;
-}
-
-static dl_status make_room(parent *from, size_t more, dl_error *error) {
-    if (from->length + more <= from->room)
-        return DL_OK;
-    char *grown = realloc(from->data, from->length + more);
-    if (!grown)
-        return dl_fail_memory(error, "a message of a case's process");
-    from->data = grown;
-    from->room = from->length + more;
-    return DL_OK;
-}
-
 /* Reads what there is; *ended where the child has closed its end. */
 static dl_status take(parent *from, bool *ended, dl_error *error) {
-    size_t more = wanted(from);
-    dl_status status = make_room(from, more, error);
-    if (status != DL_OK)
+    bool whole;
+    dl_status status = dl_message_take(&from->message, &whole, ended, error);
+    if (status != DL_OK || !whole)
         return status;
-    ssize_t got = read(from->pipe, from->data + from->length, more);
-    if (got < 0 && errno != EINTR)
-        return dl_fail(error, DL_IO, "reading from a case's process: %s", strerror(errno));
-    if (got <= 0) {
-        *ended = got == 0;
-        return DL_OK;
-    }
-    from->length += (size_t)got;
-    if (from->length < sizeof(size_t) || wanted(from) > 0)
-        return DL_OK;
-    status = from->work->receive(from->work->context, from->data + sizeof(size_t),
-                                 from->length - sizeof(size_t), error);
-    from->length = 0;
+    status = from->work->receive(from->work->context, dl_message_bytes(&from->message),
+                                 dl_message_size(&from->message), error);
     start_clocks(from);
     return status;
 }
@@ -176,7 +107,7 @@ static dl_status listen_to(parent *from, dl_error *error) {
     dl_status status = DL_OK;
     bool ended = false;
     while (status == DL_OK && !ended) {
-        struct pollfd wait = {.fd = from->pipe, .events = POLLIN};
+        struct pollfd wait = {.fd = from->message.pipe, .events = POLLIN};
         int ready = poll(&wait, 1, 200);
         if (work->tick)
             work->tick(work->context);
@@ -241,13 +172,13 @@ dl_status dl_child_run(const dl_child_work *work, dl_error *error) {
         _exit(EXIT_SUCCESS);
     }
     close(ends[1]);
-    parent from = {.work = work, .child = child, .pipe = ends[0]};
+    parent from = {.work = work, .child = child, .message = {.pipe = ends[0]}};
     start_clocks(&from);
     dl_status status = listen_to(&from, error);
     if (status != DL_OK)
         kill(child, SIGKILL);
     dl_status ended = wait_for(child, status == DL_OK ? error : NULL);
     close(ends[0]);
-    free(from.data);
+    free(from.message.data);
     return status == DL_OK ? ended : status;
 }

@@ -16,8 +16,7 @@ typedef struct dl_child_work {
     void (*tick)(void *context);
     void *context;
     double seconds;                /* CPU time the child may use from one message to the next */
-    long memory;                   /* MiB of address space */
-    unsigned parts;                /* most messages, of which each may use `seconds` */
+    long memory;                   /* MiB of address space; 0: as much as the parent may use */
     const volatile int *interrupt; /* non-zero: kill. May be NULL */
 } dl_child_work;
 

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "study/plan.h"
+#include "study/kind.h"
 
 char *dl_text(const char *format, ...) {
     va_list arguments, again;
@@ -97,6 +97,11 @@ char *dl_study_case_key(const dl_study *study, const dl_study_case *cased) {
         uint64_t hash = hash_bytes(hash_start, on->reference_key, strlen(on->reference_key));
         snprintf(reference, sizeof reference, " reference=%016llx", (unsigned long long)hash);
     }
+    if (study->kind->measure)
+        return dl_text("%s(%s) %s#%016llx %s %s end=%s samples=%ld",
+                       dl_study_kinds[study->settings.kind], study->kind_text, on->scene->name,
+                       (unsigned long long)on->hash, cased->run.row->name, cased->run.text, end,
+                       study->settings.samples);
     return dl_text("%s#%016llx %s %s end=%s samples=%ld%s", on->scene->name,
                    (unsigned long long)on->hash, cased->run.row->name, cased->run.text, end,
                    study->settings.samples, reference);
@@ -131,9 +136,14 @@ char *dl_study_case_command(const dl_study *study, const dl_study_case *cased) {
     dl_format_real(on->end, end, sizeof end);
     dl_format_real(on->sample, sample, sizeof sample);
     char *path = shell_word(on->path);
-    char *command = path ? dl_text("driftlab run %s --method %s%s --t-end %s --sample %s", path,
-                                   cased->run.row->name, cased->run.changes, end, sample)
-                         : NULL;
+    char *verb = study->kind->measure ? dl_text("measure %s", dl_study_kinds[study->settings.kind])
+                                      : dl_text("run");
+    char *command = path && verb
+                        ? dl_text("driftlab %s %s%s --method %s%s%s --t-end %s --sample %s", verb,
+                                  path, on->lets ? on->lets : "", cased->run.row->name,
+                                  cased->run.changes, study->kind_changes, end, sample)
+                        : NULL;
+    free(verb);
     free(path);
     return command;
 }

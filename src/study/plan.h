@@ -10,10 +10,10 @@
 /* The scalars of the study file; see the table in plan_read.c. */
 typedef struct dl_study_settings {
     char *name, *title, *question;
-    int kind, asked_in; /* words of dl_study_kinds and dl_study_measures */
+    int kind, asked_in; /* words of dl_study_kinds (kind.h) and dl_study_measures */
     char *scene;        /* file; "" where `scenes` lists several */
     double end;         /* 0: every scene's own */
-    long samples;       /* intervals */
+    long samples;       /* intervals; read as 0: the kind's own */
     double asked_error;
     long repeats;
 } dl_study_settings;
@@ -41,6 +41,7 @@ typedef struct dl_study_run_of {
 typedef struct dl_study_scene {
     char *path;
     dl_scene *scene;
+    char *lets;         /* " --let a=1": what the study sets in it; NULL or "": nothing */
     uint64_t hash;      /* of its text and data */
     double end, sample; /* what every run on it is given */
     dl_study_run_of reference, check;
@@ -55,6 +56,8 @@ typedef struct dl_study_case {
     int line; /* in the study file */
 } dl_study_case;
 
+typedef struct dl_study_kind dl_study_kind;
+
 typedef dl_status dl_run_function(const dl_scene *scene, const dl_method_row *row,
                                   const void *options, const dl_run_options *run_options,
                                   dl_run_summary *summary, double *y_final, dl_error *error);
@@ -63,6 +66,10 @@ struct dl_study {
     char *path;
     dl_study_settings settings;
     dl_study_limits limits;
+    const dl_study_kind *kind;
+    void *kind_settings; /* of the kind's table; NULL where it has none */
+    char *kind_text;     /* every one of them, as "window=0.5 ..." */
+    char *kind_changes;  /* " --set window=0.5 ...": those that the study file sets */
     dl_reference_kind reference;
     dl_precision precision;   /* of an extended reference */
     double reference_seconds; /* CPU time of each of the reference's runs */
@@ -72,9 +79,17 @@ struct dl_study {
     dl_run_function *run; /* dl_run; a test may put a hanging or crashing one in its place */
 };
 
-extern const char *const dl_study_kinds[];
 extern const char *const dl_study_measures[];
 extern const char *const *const dl_precision_words; /* by dl_precision */
+
+/* Of the mapping `limits` of a study file. */
+extern const dl_parameter_table dl_study_limits_table;
+
+/* Every setting of the kind as "window=0.5 ...", owned by the caller; NULL: no memory. */
+char *dl_study_settings_text(const dl_study_kind *kind, const void *settings);
+
+/* Intervals between samples where nobody says. */
+long dl_study_samples_of(const dl_study_kind *kind);
 
 void dl_study_run_of_release(dl_study_run_of *run);
 
@@ -83,7 +98,7 @@ dl_status dl_study_read_cases(dl_study *study, const dl_yaml *yaml, const dl_yam
                               dl_error *error);
 
 /* Options of `row` on `scene`: its defaults, then `count` settings; whether the run could start is
- * checked. `line` stands in messages. */
+ * checked. `line` stands in messages, where it is not 0. */
 dl_status dl_study_prepare(const dl_study *study, const dl_study_scene *on,
                            const dl_method_row *row, size_t count, const char *const *key,
                            const char *const *value, const int *line, dl_study_run_of *run,

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include "study/kepler.h"
-#include "study/plan.h"
+#include "study/kind.h"
+#include "study/variants.h"
 
-const char *const dl_study_kinds[] = {"work-precision", NULL};
 const char *const dl_study_measures[] = {"position", "energy", NULL};
 
 #define AT(type, field) .offset = offsetof(type, field)
@@ -34,7 +34,7 @@ static const dl_parameter setting_rows[] = {
      .unit = "",
      .words = dl_study_kinds,
      .fallback = "work-precision",
-     .doc = "what is asked: error against cost"},
+     .doc = "what is asked (see below)"},
     {.name = "question",
      .kind = DL_TEXT,
      AT(dl_study_settings, question),
@@ -59,19 +59,19 @@ static const dl_parameter setting_rows[] = {
      .kind = DL_INTEGER,
      AT(dl_study_settings, samples),
      .unit = "",
-     .minimum = 1,
+     .minimum = 0,
      .maximum = 1e6,
-     .fallback = "20",
-     .doc = "equal intervals between samples; fixed steps must divide them"},
+     .fallback = "0",
+     .doc = "equal intervals between samples, which fixed steps must divide; 0: 20, or as many as "
+            "the kind says below"},
     {.name = "error",
      .kind = DL_REAL,
      AT(dl_study_settings, asked_error),
      .unit = "length or 1",
      .minimum = 0,
      .maximum = DBL_MAX,
-     .above_minimum = true,
-     .fallback = NULL,
-     .doc = "error asked for: RMS position at the end, or energy in units of its scale"},
+     .fallback = "0",
+     .doc = "error asked for: RMS position at the end, or energy in units of its scale; > 0"},
     {.name = "in",
      .kind = DL_WORD,
      AT(dl_study_settings, asked_in),
@@ -151,11 +151,12 @@ static const dl_parameter reference_rows[] = {
      .doc = "limit of each of the reference's runs"},
 };
 
-static const char *const setting_others[] = {"scenes", "limits", "reference", "cases", NULL};
+static const char *const setting_others[] = {"scenes", "let",  "limits", "reference",
+                                             "cases",  "with", NULL};
 static const char *const reference_others[] = {"set", "check", NULL};
 static const char *const check_keys[] = {"method", "set", NULL};
 static const dl_parameter_table settings_table = TABLE(setting_rows);
-static const dl_parameter_table limits_table = TABLE(limit_rows);
+const dl_parameter_table dl_study_limits_table = TABLE(limit_rows);
 static const dl_parameter_table reference_table = TABLE(reference_rows);
 
 /* --- help ---------------------------------------------------------------------------------- */
@@ -173,14 +174,17 @@ static void print_table(FILE *out, const char *indent, dl_parameter_table table)
 }
 
 void dl_study_help(FILE *out) {
-    fputs("A study file (YAML) runs every case on every scene and measures error against cost.\n\n"
+    fputs("A study file (YAML) asks one kind of question of every case on every scene.\n\n"
           "keys:\n",
           out);
     print_table(out, "  ", settings_table);
     fputs("  scenes     list of scene files, instead of `scene`\n"
+          "  let        mapping of names in the scenes' `let` to a number or a list of numbers: "
+          "each\n"
+          "             scene once for every combination\n"
           "\nlimits:      of every case's process\n",
           out);
-    print_table(out, "  ", limits_table);
+    print_table(out, "  ", dl_study_limits_table);
     fputs(
         "\nreference:   what position errors are measured against; may be left out where `in` is\n"
         "             energy\n",
@@ -190,10 +194,26 @@ void dl_study_help(FILE *out) {
           "  check      mapping with method and set: a second run, whose distance from the first\n"
           "             is the reference's own error; required beside method\n"
           "\ncases:       list of mappings, each with\n"
-          "  method     name of a method (driftlab list methods)\n"
+          "  method     name of a method (driftlab list methods), or all, all-fixed-step,\n"
+          "             all-adaptive: every one, every one with a fixed step, every one that can\n"
+          "             choose its steps, as far as it has the options named; but none that\n"
+          "             splits the force\n"
           "  OPTION     a value or a list of values of any of its options; an entry stands for\n"
           "             every combination\n",
           out);
+    for (size_t k = 0; dl_study_kinds[k]; k++) {
+        const dl_study_kind *kind = dl_study_kind_rows[k];
+        fprintf(out, "\nkind %s: %s\n", dl_study_kinds[k], kind->doc);
+        if (!kind->measure)
+            fputs("  the only one with `error`, `in`, `repeats` and `reference`\n", out);
+        if (kind->chooses_step)
+            fputs("  chooses the steps of its runs itself: cases have no `step`\n", out);
+        if (kind->samples)
+            fprintf(out, "  %ld samples where the study does not say\n", kind->samples);
+        if (kind->settings.count)
+            fputs("with:\n", out);
+        print_table(out, "  ", kind->settings);
+    }
 }
 
 /* --- scenes -------------------------------------------------------------------------------- */
@@ -205,17 +225,19 @@ static char *beside(const char *study_path, const char *path) {
     return dl_text("%.*s/%s", (int)(slash - study_path), study_path, path);
 }
 
+/* `let` [lets]: what the study sets in it. */
 static dl_status add_scene(dl_study *study, const dl_yaml *yaml, const dl_yaml_node *node,
-                           dl_error *error) {
+                           size_t lets, const dl_let *let, dl_error *error) {
     if (dl_yaml_kind_of(node) != DL_YAML_SCALAR || !*dl_yaml_text(node))
         return dl_yaml_fail(yaml, node, "scene", "the name of a scene file", error);
     dl_study_scene *on = &study->scene[study->scenes];
-    on->path = beside(study->path, dl_yaml_text(node));
-    if (!on->path)
-        return dl_fail_memory(error, "a scene");
     study->scenes++; /* from here on freed with the study */
+    on->path = beside(study->path, dl_yaml_text(node));
+    on->lets = dl_let_arguments(lets, let);
+    if (!on->path || !on->lets)
+        return dl_fail_memory(error, "a scene");
     dl_error reason;
-    dl_status status = dl_scene_read(on->path, &on->scene, &reason);
+    dl_status status = dl_scene_read_let(on->path, lets, let, &on->scene, &reason);
     if (status != DL_OK)
         return dl_fail(error, status, "%s:%d: %.900s", study->path, dl_yaml_line(node),
                        reason.message);
@@ -235,13 +257,20 @@ static dl_status read_scenes(dl_study *study, const dl_yaml *yaml, dl_error *err
         return dl_yaml_fail(yaml, several, "scene", "either `scene` or `scenes`", error);
     if (several && (dl_yaml_kind_of(several) != DL_YAML_LIST || dl_yaml_length(several) == 0))
         return dl_yaml_fail(yaml, several, "scenes", "a list of scene files", error);
+    dl_variants variants;
+    dl_let let[dl_most_let_lists];
+    dl_status status = dl_variants_read(yaml, dl_yaml_get(root, "let"), &variants, error);
+    if (status != DL_OK)
+        return status;
     size_t count = several ? dl_yaml_length(several) : 1;
-    study->scene = calloc(count, sizeof *study->scene);
+    study->scene = calloc(count * variants.count, sizeof *study->scene);
     if (!study->scene)
         return dl_fail_memory(error, "scenes");
-    dl_status status = DL_OK;
-    for (size_t i = 0; i < count && status == DL_OK; i++)
-        status = add_scene(study, yaml, several ? dl_yaml_item(several, i) : one, error);
+    for (size_t i = 0; i < count * variants.count && status == DL_OK; i++) {
+        const dl_yaml_node *node = several ? dl_yaml_item(several, i / variants.count) : one;
+        dl_variants_at(&variants, i % variants.count, let);
+        status = add_scene(study, yaml, node, variants.names, let, error);
+    }
     return status;
 }
 
@@ -335,7 +364,8 @@ static dl_status reference_kind(dl_study *study, const dl_yaml *yaml, const dl_y
 
 static dl_status read_reference(dl_study *study, const dl_yaml *yaml, dl_error *error) {
     const dl_yaml_node *map = dl_yaml_get(dl_yaml_root(yaml), "reference");
-    if (!map && strcmp(dl_study_measures[study->settings.asked_in], "energy") == 0)
+    const bool energy = strcmp(dl_study_measures[study->settings.asked_in], "energy") == 0;
+    if (!map && (energy || study->kind->measure))
         return DL_OK;
     if (!map)
         return dl_yaml_fail(yaml, NULL, "reference", "what position errors are measured against",
@@ -357,14 +387,88 @@ static dl_status read_reference(dl_study *study, const dl_yaml *yaml, dl_error *
 
 static dl_status read_limits(dl_study *study, const dl_yaml *yaml, dl_error *error) {
     const dl_yaml_node *map = dl_yaml_get(dl_yaml_root(yaml), "limits");
-    return map ? dl_yaml_read_table(yaml, map, limits_table, NULL, &study->limits, error)
-               : dl_parameter_defaults(limits_table, &study->limits, error);
+    return map ? dl_yaml_read_table(yaml, map, dl_study_limits_table, NULL, &study->limits, error)
+               : dl_parameter_defaults(dl_study_limits_table, &study->limits, error);
+}
+
+/* Keys that only a work-precision study has. */
+static dl_status check_keys_of_kind(const dl_study *study, const dl_yaml *yaml, dl_error *error) {
+    static const char *const of_precision[] = {"error", "in", "repeats", "reference", NULL};
+    const dl_yaml_node *root = dl_yaml_root(yaml);
+    char expected[128];
+    if (!study->kind->measure)
+        return study->settings.asked_error > 0
+                   ? DL_OK
+                   : dl_yaml_missing(yaml, root, "error", "the error that is asked for", error);
+    snprintf(expected, sizeof expected, "no such key in a study of kind %s",
+             dl_study_kinds[study->settings.kind]);
+    for (const char *const *key = of_precision; *key; key++)
+        if (dl_yaml_get(root, *key))
+            return dl_yaml_fail(yaml, dl_yaml_get(root, *key), *key, expected, error);
+    return DL_OK;
+}
+
+/* "refine=6 bound=0.1": the kind's settings, for what identifies a finding. */
+char *dl_study_settings_text(const dl_study_kind *kind, const void *settings) {
+    char *text = dl_text("%s", "");
+    for (size_t i = 0; i < kind->settings.count && text; i++) {
+        char value[1024];
+        dl_parameter_format(&kind->settings.rows[i], settings, value, sizeof value);
+        char *longer = dl_text("%s%s%s=%s", text, i ? " " : "", kind->settings.rows[i].name, value);
+        free(text);
+        text = longer;
+    }
+    return text;
+}
+
+/* What the file sets of them, as the command line would. */
+static char *settings_changes(const dl_yaml_node *with) {
+    char *text = dl_text("%s", "");
+    for (size_t i = 0; with && i < dl_yaml_length(with) && text; i++) {
+        char *longer = dl_text("%s --set %s=%s", text, dl_yaml_key(with, i),
+                               dl_yaml_text(dl_yaml_item(with, i)));
+        free(text);
+        text = longer;
+    }
+    return text;
+}
+
+long dl_study_samples_of(const dl_study_kind *kind) {
+    return kind->samples ? kind->samples : 20;
+}
+
+static dl_status read_kind(dl_study *study, const dl_yaml *yaml, dl_error *error) {
+    const dl_study_kind *kind = study->kind = dl_study_kind_rows[study->settings.kind];
+    const dl_yaml_node *with = dl_yaml_get(dl_yaml_root(yaml), "with");
+    if (study->settings.samples == 0)
+        study->settings.samples = dl_study_samples_of(kind);
+    dl_status status = check_keys_of_kind(study, yaml, error);
+    if (status != DL_OK)
+        return status;
+    if (with && (dl_yaml_kind_of(with) != DL_YAML_MAP || !kind->settings.count))
+        return dl_yaml_fail(yaml, with, "with",
+                            kind->settings.count ? "a mapping of the kind's settings"
+                                                 : "nothing: this kind has no settings",
+                            error);
+    study->kind_settings = calloc(1, kind->settings_size + 1);
+    if (!study->kind_settings)
+        return dl_fail_memory(error, "a study");
+    status = with
+                 ? dl_yaml_read_table(yaml, with, kind->settings, NULL, study->kind_settings, error)
+                 : dl_parameter_defaults(kind->settings, study->kind_settings, error);
+    if (status != DL_OK)
+        return status;
+    study->kind_text = dl_study_settings_text(kind, study->kind_settings);
+    study->kind_changes = settings_changes(with);
+    return study->kind_text && study->kind_changes ? DL_OK : dl_fail_memory(error, "a study");
 }
 
 static dl_status read_all(dl_study *study, const dl_yaml *yaml, dl_error *error) {
     const dl_yaml_node *root = dl_yaml_root(yaml);
     dl_status status =
         dl_yaml_read_table(yaml, root, settings_table, setting_others, &study->settings, error);
+    if (status == DL_OK)
+        status = read_kind(study, yaml, error);
     if (status == DL_OK)
         status = read_limits(study, yaml, error);
     if (status == DL_OK)
@@ -402,6 +506,7 @@ static void release_scene(dl_study_scene *on) {
     dl_study_run_of_release(&on->check);
     dl_scene_free(on->scene);
     free(on->path);
+    free(on->lets);
     free(on->reference_key);
     free(on->reference_text);
 }
@@ -418,6 +523,11 @@ void dl_study_free(dl_study *study) {
     for (size_t i = 0; i < study->scenes; i++)
         release_scene(&study->scene[i]);
     free(study->scene);
+    if (study->kind_settings)
+        dl_parameter_release(study->kind->settings, study->kind_settings);
+    free(study->kind_settings);
+    free(study->kind_text);
+    free(study->kind_changes);
     dl_parameter_release(settings_table, &study->settings);
     free(study->path);
     free(study);

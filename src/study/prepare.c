@@ -4,7 +4,7 @@
 #include <string.h>
 #include "observe/schedule.h"
 #include "study/jumps.h"
-#include "study/plan.h"
+#include "study/kind.h"
 
 void dl_study_run_of_release(dl_study_run_of *run) {
     if (run->options)
@@ -30,13 +30,12 @@ dl_status dl_study_find_method(const dl_yaml *yaml, const dl_yaml_node *map,
                                      dl_yaml_line(node), reason.message);
 }
 
-/* Creates the method on the scene as a run would, so that what it refuses is refused now. */
-static dl_status try_start(const dl_study_scene *on, const dl_study_run_of *run, dl_error *error) {
+dl_status dl_study_try_start(const dl_study_unit *unit, dl_error *error) {
     dl_model *model = NULL;
     dl_method *method = NULL;
     dl_schedule schedule;
     dl_jumps jumps;
-    dl_status status = dl_model_create(on->scene, &model, error);
+    dl_status status = dl_model_create(unit->scene, &model, error);
     if (status != DL_OK)
         return status;
     double *y = malloc(2 * model->unknowns * sizeof *y + 1);
@@ -44,12 +43,12 @@ static dl_status try_start(const dl_study_scene *on, const dl_study_run_of *run,
         status = dl_fail_memory(error, "a state");
     } else {
         dl_model_initial_state(model, y);
-        status = dl_method_create(run->row, model, run->options, y, &method, error);
+        status = dl_method_create(unit->row, model, unit->options, y, &method, error);
     }
     if (status == DL_OK) {
-        status = dl_schedule_create(on->end, on->sample, method->step, &schedule, error);
+        status = dl_schedule_create(unit->end, unit->sample, method->step, &schedule, error);
         if (status == DL_OK)
-            status = dl_jumps_create(on->scene, method->step, &jumps, error);
+            status = dl_jumps_create(unit->scene, method->step, &jumps, error);
     } else if (status != DL_INPUT && status != DL_MEMORY)
         status = DL_OK; /* not the study file's fault: the case will tell */
     if (method)
@@ -59,10 +58,22 @@ static dl_status try_start(const dl_study_scene *on, const dl_study_run_of *run,
     return status;
 }
 
-static dl_status describe(dl_study_run_of *run, size_t count, const char *const *key,
-                          const char *const *value, dl_error *error) {
+/* Without " step=..." of a kind that chooses it. */
+static void leave_out_step(char *text) {
+    char *at = strncmp(text, "step=", 5) == 0 ? text : strstr(text, " step=");
+    if (!at)
+        return;
+    const char *rest = at + 1 + strcspn(at + 1, " ");
+    rest += at == text && *rest == ' ';
+    memmove(at, rest, strlen(rest) + 1);
+}
+
+static dl_status describe(const dl_study *study, dl_study_run_of *run, size_t count,
+                          const char *const *key, const char *const *value, dl_error *error) {
     char text[4096];
     dl_method_options_format(run->row, run->options, text, sizeof text);
+    if (study->kind->chooses_step)
+        leave_out_step(text);
     run->text = dl_text("%s", text);
     run->changes = dl_text("%s", "");
     for (size_t i = 0; i < count && run->changes; i++) {
@@ -71,6 +82,21 @@ static dl_status describe(dl_study_run_of *run, size_t count, const char *const 
         run->changes = longer;
     }
     return run->text && run->changes ? DL_OK : dl_fail_memory(error, "a case");
+}
+
+static dl_status check_unit(const dl_study *study, const dl_study_scene *on,
+                            const dl_study_run_of *run, dl_error *error) {
+    const dl_study_unit unit = {.scene = on->scene,
+                                .row = run->row,
+                                .options = run->options,
+                                .end = on->end,
+                                .sample = on->sample,
+                                .seconds = study->limits.seconds,
+                                .settings = study->kind_settings,
+                                .run = study->run};
+    if (!study->kind->measure)
+        return dl_study_try_start(&unit, error);
+    return study->kind->check ? study->kind->check(&unit, error) : DL_OK;
 }
 
 dl_status dl_study_prepare(const dl_study *study, const dl_study_scene *on,
@@ -84,18 +110,25 @@ dl_status dl_study_prepare(const dl_study *study, const dl_study_scene *on,
     for (size_t i = 0; i < count && status == DL_OK; i++) {
         at = line[i + 1];
         status = dl_method_options_set(row, run->options, key[i], value[i], &reason);
+        if (status == DL_OK && study->kind->chooses_step && strcmp(key[i], "step") == 0)
+            status = dl_fail(&reason, DL_INPUT,
+                             "step: found %s, expected no step: a study of kind %s chooses it",
+                             value[i], dl_study_kinds[study->settings.kind]);
     }
     if (status == DL_OK) {
         at = line[0];
-        status = describe(run, count, key, value, &reason);
+        status = describe(study, run, count, key, value, &reason);
     }
     if (status == DL_OK)
-        status = try_start(on, run, &reason);
+        status = check_unit(study, on, run, &reason);
     if (status == DL_OK)
         return DL_OK;
-    status = dl_fail(error, status, "%s:%d: %s on %s%s%s: %.800s", study->path, at, row->name,
-                     on->scene->name, run->changes && *run->changes ? " with" : "",
-                     run->changes ? run->changes : "", reason.message);
+    char place[DL_MESSAGE_SIZE] = "";
+    if (at > 0)
+        snprintf(place, sizeof place, "%s:%d: ", study->path, at);
+    status = dl_fail(error, status, "%s%s on %s%s%s: %.800s", place, row->name, on->scene->name,
+                     run->changes && *run->changes ? " with" : "", run->changes ? run->changes : "",
+                     reason.message);
     dl_study_run_of_release(run);
     return status;
 }

@@ -8,8 +8,11 @@
 #include <unistd.h>
 #include "driftlab/explain.h"
 #include "io/lock.h"
+#include "study/child.h"
 #include "study/facts.h"
-#include "study/measure.h"
+#include "study/lanes.h"
+#include "study/parts.h"
+#include "study/process.h"
 
 typedef struct progress {
     const dl_study *study;
@@ -70,21 +73,6 @@ static dl_status read_old(progress *run, dl_error *error) {
         return DL_OK;
     dl_status status = dl_results_read(run->options->results, &run->old, error);
     return status == DL_OK ? check_owner(run, error) : status;
-}
-
-/* Moves a case out of the old results; false where it is not there. */
-static bool keep_case(progress *run, const char *key, dl_case *kept) {
-    if (!run->old || run->options->force)
-        return false;
-    for (size_t i = 0; i < run->old->cases; i++) {
-        dl_case *found = &run->old->cased[i];
-        if (found->key && strcmp(found->key, key) == 0) {
-            *kept = *found;
-            *found = (dl_case){0};
-            return true;
-        }
-    }
-    return false;
 }
 
 /* Whether a reference of before is what its key says, bit by bit. */
@@ -201,20 +189,6 @@ static dl_status keep_references(progress *run, dl_error *error) {
     return status;
 }
 
-static dl_status keep_cases(progress *run, dl_error *error) {
-    const dl_study *study = run->study;
-    dl_status status = DL_OK;
-    for (size_t i = 0; i < study->cases && status == DL_OK; i++) {
-        dl_case kept;
-        if (!keep_case(run, study->cased[i].key, &kept))
-            continue;
-        status = dl_results_add_case(run->results, &kept, error);
-        if (status != DL_OK)
-            dl_case_release(&kept);
-    }
-    return status;
-}
-
 /* --- what is missing ----------------------------------------------------------------------- */
 
 static dl_status save(progress *run, dl_error *error) {
@@ -248,38 +222,113 @@ static dl_status run_references(progress *run, dl_error *error) {
     return status;
 }
 
-static dl_status run_case(progress *run, const dl_study_case *cased, dl_error *error) {
-    const dl_study *study = run->study;
-    const char *scene = study->scene[cased->scene].scene->name;
-    const dl_watch watch = watch_of(run);
-    dl_case measured;
-    start_part(run, dl_text("%s: %s %s", scene, cased->run.row->name, cased->run.text));
-    dl_status status = dl_study_measure_case(
-        study, cased, dl_results_reference(run->results, scene), &watch, &measured, error);
-    if (status != DL_OK)
-        return status;
-    status = dl_results_add_case(run->results, &measured, error);
-    if (status != DL_OK) {
-        dl_case_release(&measured);
-        return status;
-    }
-    run->told.done++;
-    return save(run, error);
-}
-
 static bool stopped(const progress *run) {
     return run->options->interrupt && *run->options->interrupt;
 }
 
-static dl_status run_cases(progress *run, dl_error *error) {
-    const dl_study *study = run->study;
+static dl_status add_part(progress *run, dl_study_part *part, dl_error *error) {
+    const dl_status status = dl_part_add(run->study, run->results, part, error);
+    if (status != DL_OK)
+        return status;
+    run->told.done++;
+    return save(run, error);
+}
+
+/* What a unit tells of itself stands behind its name in the progress line. */
+static void hear(void *context, const char *text) {
+    progress *run = context;
+    char *at = run->current ? strstr(run->current, " | ") : NULL;
+    if (at)
+        *at = '\0';
+    char *longer = run->current ? dl_text("%s | %s", run->current, text) : NULL;
+    if (longer)
+        start_part(run, longer);
+}
+
+static dl_status run_part(progress *run, size_t part, dl_error *error) {
+    const dl_watch watch = watch_of(run);
+    dl_study_part measured;
+    start_part(run, dl_part_label(run->study, part));
+    const dl_status status =
+        dl_part_measure(run->study, run->results, part, &watch, hear, run, &measured, error);
+    return status == DL_OK ? add_part(run, &measured, error) : status;
+}
+
+static dl_status run_in_order(progress *run, dl_error *error) {
     dl_status status = DL_OK;
-    for (size_t i = 0; i < study->cases && status == DL_OK; i++) {
-        if (dl_results_find(run->results, study->cased[i].key))
-            continue;
-        status = stopped(run) ? DL_INTERRUPTED : run_case(run, &study->cased[i], error);
-    }
+    for (size_t i = 0; i < run->study->cases && status == DL_OK; i++)
+        if (!dl_part_is_done(run->study, run->results, i))
+            status = stopped(run) ? DL_INTERRUPTED : run_part(run, i, error);
     return status;
+}
+
+/* --- side by side -------------------------------------------------------------------------- */
+
+/* In a lane. The message: a status, then the part's bytes or the text of the failure. */
+static void work_in_lane(void *context, size_t part, int pipe) {
+    const progress *run = context;
+    const dl_watch nobody = {.interrupt = NULL};
+    dl_study_part measured;
+    dl_error why = {""};
+    void *bytes = NULL;
+    size_t size = 0;
+    dl_status status =
+        dl_part_measure(run->study, run->results, part, &nobody, NULL, NULL, &measured, &why);
+    if (status == DL_OK) {
+        status = dl_part_pack(run->study, &measured, &bytes, &size, &why);
+        dl_part_release(run->study, &measured);
+    }
+    const size_t length = status == DL_OK ? size : sizeof why.message;
+    char *message = calloc(sizeof(double) + length, 1);
+    if (!message)
+        _exit(EXIT_FAILURE); /* the parent runs the part itself */
+    memcpy(message, &status, sizeof status);
+    memcpy(message + sizeof(double), status == DL_OK ? bytes : why.message, length);
+    dl_child_send(pipe, message, sizeof(double) + length);
+    free(message);
+    free(bytes);
+}
+
+static void lane_begins(void *context, size_t part) {
+    progress *run = context;
+    start_part(run, dl_part_label(run->study, part));
+}
+
+static dl_status lane_answers(void *context, size_t part, const void *data, size_t size,
+                              dl_error *error) {
+    (void)part;
+    progress *run = context;
+    dl_status status;
+    dl_study_part measured;
+    const char *rest = (const char *)data + sizeof(double);
+    memcpy(&status, data, sizeof status);
+    if (status != DL_OK)
+        return dl_fail(error, status, "%s", rest);
+    status = dl_part_unpack(run->study, rest, size - sizeof(double), &measured, error);
+    return status == DL_OK ? add_part(run, &measured, error) : status;
+}
+
+static dl_status run_side_by_side(progress *run, dl_error *error) {
+    const dl_study *study = run->study;
+    const dl_lanes_work work = {.work = work_in_lane,
+                                .begun = lane_begins,
+                                .receive = lane_answers,
+                                .tick = tell,
+                                .context = run,
+                                .interrupt = run->options->interrupt};
+    bool *done = calloc(study->cases, sizeof *done);
+    if (!done)
+        return dl_fail_memory(error, "a study");
+    for (size_t i = 0; i < study->cases; i++)
+        done[i] = dl_part_is_done(study, run->results, i);
+    const dl_status status =
+        dl_lanes_run(&work, run->options->processes, study->cases, done, error);
+    free(done);
+    return status == DL_OK ? run_in_order(run, error) : status; /* what a lost lane has left */
+}
+
+static dl_status run_parts(progress *run, dl_error *error) {
+    return run->options->processes > 1 ? run_side_by_side(run, error) : run_in_order(run, error);
 }
 
 /* --- a better reference ---------------------------------------------------------------------- */
@@ -342,62 +391,55 @@ static dl_status improve_references(progress *run, dl_error *error) {
             if (strcmp(study->scene[s].scene->name, reference->scene) == 0)
                 status = improve(run, &study->scene[s], reference, error);
     }
-    return status == DL_OK ? run_cases(run, error) : status;
-}
-
-/* Cases in the order of the study, wherever they were run. */
-static size_t place_of(const dl_study *study, const dl_case *cased) {
-    size_t i = 0;
-    while (i < study->cases && strcmp(study->cased[i].key, cased->key) != 0)
-        i++;
-    return i;
-}
-
-static dl_status sort_cases(progress *run, dl_error *error) {
-    const dl_study *study = run->study;
-    dl_results *results = run->results;
-    dl_case *sorted = calloc(study->cases, sizeof *sorted);
-    if (!sorted)
-        return dl_fail_memory(error, "cases");
-    for (size_t i = 0; i < results->cases; i++)
-        sorted[place_of(study, &results->cased[i])] = results->cased[i];
-    free(results->cased);
-    results->cased = sorted;
-    return DL_OK;
+    return status == DL_OK ? run_parts(run, error) : status;
 }
 
 static dl_status run_missing(progress *run, dl_error *error) {
     const dl_study *study = run->study;
     dl_status status = keep_references(run, error);
-    if (status == DL_OK)
-        status = keep_cases(run, error);
+    if (status == DL_OK && run->old && !run->options->force)
+        status = dl_parts_keep(study, run->old, run->results, error);
     if (status != DL_OK)
         return status;
-    run->told.kept = run->told.done = run->results->references + run->results->cases;
+    run->told.kept = run->told.done =
+        run->results->references + run->results->cases + run->results->findings;
     run->told.total = study->cases + (study->reference ? study->scenes : 0);
     status = save(run, error); /* now, so that a place that cannot be written costs no run */
     if (status == DL_OK)
         status = run_references(run, error);
     if (status == DL_OK)
-        status = run_cases(run, error);
+        status = run_parts(run, error);
     if (status == DL_OK)
         status = improve_references(run, error);
     if (status == DL_OK)
-        status = sort_cases(run, error);
+        status = dl_parts_sort(study, run->results, error);
     if (status == DL_OK)
         status = save(run, error);
     if (status == DL_INTERRUPTED)
         status = dl_fail(error, status,
                          "interrupted: %zu of %zu cases are kept in %s; the same command goes on "
                          "from there",
-                         run->results->cases, study->cases, run->options->results);
+                         run->results->cases + run->results->findings, study->cases,
+                         run->options->results);
     return status;
+}
+
+static dl_status check_processes(const dl_study_options *options, dl_error *error) {
+    const size_t most = dl_process_processors();
+    return options->processes <= most
+               ? DL_OK
+               : dl_fail(error, DL_INPUT,
+                         "processes: found %zu, expected at most %zu, one a processor: more would "
+                         "spoil each other's times",
+                         options->processes, most);
 }
 
 dl_status dl_study_run(const dl_study *study, const dl_study_options *options, dl_results **results,
                        dl_error *error) {
     progress run = {.study = study, .options = options, .began = now()};
     *results = NULL;
+    if (check_processes(options, error) != DL_OK)
+        return DL_INPUT;
     dl_lock lock;
     dl_status status = dl_lock_take(&lock, options->results, error);
     if (status == DL_OK)
