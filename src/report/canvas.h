@@ -48,4 +48,7 @@ typedef struct canvas_ops {
 
 extern const canvas_ops dl_canvas_svg, dl_canvas_png;
 
+/* The one that writes such a file; DL_INPUT where none does. */
+dl_status dl_canvas_for(const char *path, const canvas_ops **ops, dl_error *error);
+
 #endif
