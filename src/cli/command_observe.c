@@ -220,7 +220,7 @@ static cli_exit observe(const cli_input *input) {
     if (!status && values->what)
         status = read_names(values->what, wanted, &error);
     if (!status)
-        status = cli_source_open(input->word[0], values->scene, &source, &error);
+        status = cli_source_open(input, values->scene, &source, &error);
     if (!status)
         status = cli_source_choose(&source, &choice, &error);
     if (!status)
@@ -242,6 +242,7 @@ const cli_command cli_command_observe = {
         "all of them,\none after the other, with --every 1.\n",
     .least_words = 1,
     .most_words = 1,
+    .takes_let = true,
     .options = CLI_TABLE(options),
     .values_size = sizeof(observe_values),
     .run = observe,

@@ -6,8 +6,9 @@
 
 #include "driftlab/observe.h"
 
-dl_status cli_source_open(const char *file, const char *scene, cli_source *source,
+dl_status cli_source_open(const cli_input *input, const char *scene, cli_source *source,
                           dl_error *error) {
+    const char *const file = input->word[0];
     *source = (cli_source){.file = file, .count = 1, .every = 1};
     const bool is_trajectory = dl_file_is_hdf5(file);
     dl_status status = DL_OK;
@@ -15,9 +16,11 @@ dl_status cli_source_open(const char *file, const char *scene, cli_source *sourc
         return dl_fail(error, DL_INPUT, "--scene: found %s beside %s, expected a trajectory there",
                        scene, file);
     if (is_trajectory && !scene)
-        status = dl_scene_read_trajectory(file, &source->scene, error);
-    else
-        status = dl_scene_read(scene ? scene : file, &source->scene, error);
+        status = cli_refuse_let(input, file, error);
+    if (!status)
+        status = is_trajectory && !scene
+                     ? dl_scene_read_trajectory(file, &source->scene, error)
+                     : cli_read_scene(input, scene ? scene : file, &source->scene, error);
     if (!status && is_trajectory)
         status = dl_frames_open(file, &source->frames, error);
     if (status)

@@ -2,6 +2,7 @@
 #ifndef DL_CLI_OBSERVE_SOURCE_H
 #define DL_CLI_OBSERVE_SOURCE_H
 
+#include "cli/command.h"
 #include "driftlab/trajectory.h"
 
 /* Which frames: one of `last`, `time` (INFINITY: not given), `step` (-1: not given), or every
@@ -22,7 +23,8 @@ typedef struct cli_source {
 } cli_source;
 
 /* `scene`: file of the trajectory's scene; NULL: it holds its own. Close also on failure. */
-dl_status cli_source_open(const char *file, const char *scene, cli_source *source, dl_error *error);
+dl_status cli_source_open(const cli_input *input, const char *scene, cli_source *source,
+                          dl_error *error);
 void cli_source_close(cli_source *source);
 
 dl_status cli_source_choose(cli_source *source, const cli_choice *choice, dl_error *error);

@@ -31,6 +31,9 @@ typedef struct dl_measuring {
     const double *y_all;       /* of the frame */
 } dl_measuring;
 
+/* A width that gives at most 13 bins from the wall below, or the lowest, to the highest. */
+double dl_bins_choose_width(const dl_scene *scene, double lowest, double highest);
+
 /* One frame's values, out [rows][columns]. */
 typedef dl_status dl_measure(dl_measuring *m, double *out, dl_error *error);
 

@@ -50,16 +50,20 @@ static double nice_width(double extent) {
     return factor[k] * power;
 }
 
+double dl_bins_choose_width(const dl_scene *scene, double lowest, double highest) {
+    const dl_walls *walls = &scene->walls;
+    const double floor_height = walls->present ? walls->low[dl_height_axis(scene)] : -INFINITY;
+    return nice_width(highest - (isfinite(floor_height) ? floor_height : lowest));
+}
+
 static dl_status choose(dl_measuring *m, double lowest, double highest, dl_error *error) {
     dl_observe_options *const options = &m->options;
-    const dl_walls *walls = &m->scene->walls;
-    const double floor_height = walls->present ? walls->low[dl_height_axis(m->scene)] : -INFINITY;
     if (options->across == 0)
         options->across = dl_across(m->scene);
     if (options->link == 0)
         options->link = dl_escape_link(m->scene);
     if (options->bin == 0)
-        options->bin = nice_width(highest - (isfinite(floor_height) ? floor_height : lowest));
+        options->bin = dl_bins_choose_width(m->scene, lowest, highest);
     return dl_bins_create(m->scene, options->bin, lowest, highest, &m->bins, error);
 }
 
