@@ -1,54 +1,11 @@
 /* The program as its users and other programs meet it: output, exit status, files. */
-#include "fixture_runs.h"
+#include "fixture_program.h"
 
-#include <jansson.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 
 #include "driftlab/trajectory.h"
 
 #define DROP DL_STUDIES "/drop/drop.yaml"
-
-static char folder[] = "/tmp/driftlab-cli-XXXXXX";
-
-static int make_folder(void **state) {
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
-}
-
-typedef struct outcome {
-    int exit;
-    char out[200000], err[4000];
-} outcome;
-
-static void read_file(const char *name, char *text, size_t size) {
-    char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *file = fopen(path, "r");
-    assert_non_null(file);
-    text[fread(text, 1, size - 1, file)] = '\0';
-    fclose(file);
-}
-
-/* `driftlab ARGUMENTS` in the folder of this test. */
-static outcome *driftlab(const char *arguments) {
-    static outcome last;
-    char command[2000];
-    snprintf(command, sizeof command, "cd %s && %s %s >.out 2>.err", folder, DL_PROGRAM, arguments);
-    const int status = system(command);
-    assert_true(WIFEXITED(status));
-    last.exit = WEXITSTATUS(status);
-    read_file(".out", last.out, sizeof last.out);
-    read_file(".err", last.err, sizeof last.err);
-    return &last;
-}
 
 static bool in_folder(const char *name) {
     char path[128];
@@ -62,17 +19,6 @@ static size_t lines_of(const char *text) {
     for (; *text; text++)
         count += *text == '\n';
     return count;
-}
-
-static json_t *object_of(const char *arguments, int exit) {
-    const outcome *o = driftlab(arguments);
-    if (o->exit != exit)
-        fail_msg("%s: exit %d: %s", arguments, o->exit, o->err);
-    json_error_t where;
-    json_t *root = json_loads(o->out, 0, &where);
-    if (!root)
-        fail_msg("%s: %s", arguments, where.text);
-    return root;
 }
 
 static double real_of(const json_t *root, const char *name) {
@@ -186,6 +132,10 @@ static void bad_input_writes_nothing(void **state) {
         {"help sceen", "did you mean \"scene\"?"},
         {"help method leapforg", "did you mean \"leapfrog\"?"},
         {"explain nowhere.yaml", "nowhere.yaml"},
+        {"explain " DROP " --let speed=1", "the scene has no `let`"},
+        {"explain " DROP " --let speed", "expected NAME=NUMBER"},
+        {"map " DROP " --over speed", "not HDF5"},
+        {"map " DROP, "--over: found none"},
         {"study nowhere.yaml", "nowhere.yaml"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
