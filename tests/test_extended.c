@@ -488,7 +488,7 @@ static void mirrors_tend_to_the_located_rule(void **state) {
 }
 
 /* A particle pressed to a side wall by another is held there, with damping against gravity too;
- * when the other is out of reach the mirror lets it fall. */
+ * when the other is out of reach it falls. */
 static void walls_let_fall_what_nothing_presses(void **state) {
     (void)state;
     dl_scene *scene = fixture_scene("held", 2, 2);

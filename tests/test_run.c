@@ -527,6 +527,23 @@ static void count_progress(void *context, double fraction, double seconds) {
     *last = fraction;
 }
 
+static void count_calls(void *context, double fraction, double seconds) {
+    (void)fraction;
+    (void)seconds;
+    ++*(size_t *)context;
+}
+
+/* However often a run is sampled, its limits are looked at between the samples too. */
+static void samples_do_not_thin_out_the_looks(void **state) {
+    (void)state;
+    size_t calls = 0;
+    dl_run_options how = run_options(1e4, 100); /* 100 samples, 10000 steps apart */
+    how.on_progress = count_calls;
+    how.progress_context = &calls;
+    assert_int_equal(run_odd((odd_options){.step = 0.01}, how).status, DL_OK);
+    assert_true(calls > 250);
+}
+
 static void interrupt_stops_the_run(void **state) {
     (void)state;
     double fraction = 0;
@@ -667,6 +684,7 @@ int main(void) {
         cmocka_unit_test(time_limit_stops_slow_steps),
         cmocka_unit_test(time_limit_follows_the_speed),
         cmocka_unit_test(time_limit_stops_fast_steps),
+        cmocka_unit_test(samples_do_not_thin_out_the_looks),
         cmocka_unit_test(interrupt_stops_the_run),
         cmocka_unit_test(step_of_nothing_is_a_failure),
         cmocka_unit_test(observation_is_not_in_the_cpu_time),

@@ -62,6 +62,10 @@ bool dl_reference_quad_is_too_slow(const dl_reference *in_long_double, double se
 double dl_reference_distance(const dl_scene *scene, const dl_reference *reference, size_t sample,
                              const double *position, double *largest);
 
+/* The same of two sets of positions. */
+double dl_position_distance(const dl_scene *scene, const double *a, const double *b,
+                            double *largest);
+
 /* Whether a sample is past the horizon. */
 bool dl_reference_is_past(const dl_reference *reference, size_t sample);
 

@@ -1,5 +1,6 @@
 #include "cli/arguments.h"
 
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,6 +25,8 @@ static dl_status unknown_option(const cli_command *command, const char *name, dl
         names[count++] = command->options.rows[i].name;
     if (command->repeated)
         names[count++] = command->repeated->name;
+    if (command->takes_let)
+        names[count++] = cli_let.name;
     names[count++] = "help";
     names[count] = NULL;
     const char *closest = dl_closest_word(names, name);
@@ -49,23 +52,42 @@ static dl_status option_value(reader *r, const char *name, const char *equals, c
     return DL_OK;
 }
 
-static dl_status add_repeated(reader *r, const char *equals, dl_error *error) {
-    const cli_repeated *const option = r->command->repeated;
+/* A copy of the next value of an option that may be repeated. */
+static dl_status repeated_value(reader *r, const cli_repeated *option, size_t count,
+                                const char *equals, char **copy, dl_error *error) {
     const char *value = NULL;
     const dl_status status = option_value(r, option->name, equals, &value, error);
     if (status)
         return status;
     const char *sign = strchr(value, '=');
     if (option->assigns && (!sign || sign == value))
-        return dl_fail(error, DL_INPUT, "--%s: found \"%s\", expected KEY=VALUE", option->name,
-                       value);
-    if (r->input->repeats == CLI_MAX_REPEATED)
+        return dl_fail(error, DL_INPUT, "--%s: found \"%s\", expected %s", option->name, value,
+                       option->unit);
+    if (count == CLI_MAX_REPEATED)
         return dl_fail(error, DL_INPUT, "--%s: found more than %d of them", option->name,
                        CLI_MAX_REPEATED);
-    char *copy = strdup(value);
-    if (!copy)
-        return dl_fail_memory(error, "a command line");
-    r->input->repeated[r->input->repeats++] = copy;
+    *copy = strdup(value);
+    return *copy ? DL_OK : dl_fail_memory(error, "a command line");
+}
+
+static dl_status add_repeated(reader *r, const char *equals, dl_error *error) {
+    cli_input *const input = r->input;
+    char **const to = &input->repeated[input->repeats];
+    const dl_status status =
+        repeated_value(r, r->command->repeated, input->repeats, equals, to, error);
+    input->repeats += !status;
+    return status;
+}
+
+static dl_status add_let(reader *r, const char *equals, dl_error *error) {
+    cli_input *const input = r->input;
+    char *text;
+    const dl_status status = repeated_value(r, &cli_let, input->lets, equals, &text, error);
+    if (status)
+        return status;
+    char *const sign = strchr(text, '=');
+    *sign = '\0';
+    input->let[input->lets++] = (dl_let){.name = text, .value = sign + 1};
     return DL_OK;
 }
 
@@ -95,8 +117,26 @@ static dl_status read_option(reader *r, const char *text, dl_error *error) {
     name[length] = '\0';
     if (r->command->repeated && strcmp(name, r->command->repeated->name) == 0)
         return add_repeated(r, equals, error);
+    if (r->command->takes_let && strcmp(name, cli_let.name) == 0)
+        return add_let(r, equals, error);
     const dl_parameter *row = dl_parameter_find(r->command->options, name);
     return row ? set_option(r, row, equals, error) : unknown_option(r->command, name, error);
+}
+
+/* "-j": the option that begins with that letter, where just one does. */
+static dl_status read_letter(reader *r, char letter, dl_error *error) {
+    const dl_parameter_table table = r->command->options;
+    const dl_parameter *found = NULL;
+    size_t matches = 0;
+    for (size_t i = 0; i < table.count; i++)
+        if (table.rows[i].name[0] == letter) {
+            found = &table.rows[i];
+            matches++;
+        }
+    if (matches == 1)
+        return set_option(r, found, NULL, error);
+    return dl_fail(error, DL_INPUT, "unknown option -%c; options of driftlab %s start with --",
+                   letter, r->command->name);
 }
 
 static dl_status add_word(reader *r, const char *word, dl_error *error) {
@@ -122,6 +162,8 @@ dl_status cli_input_read(const cli_command *command, int count, char **words, cl
             options = false;
         else if (options && strncmp(word, "--", 2) == 0)
             status = read_option(&r, word + 2, error);
+        else if (options && word[0] == '-' && word[1] && !word[2])
+            status = read_letter(&r, word[1], error);
         else if (options && word[0] == '-' && word[1])
             status = dl_fail(error, DL_INPUT,
                              "unknown option %s; options of driftlab %s start "
@@ -146,4 +188,6 @@ void cli_input_release(const cli_command *command, cli_input *input) {
     free(input->values);
     for (size_t i = 0; i < input->repeats; i++)
         free(input->repeated[i]);
+    for (size_t i = 0; i < input->lets; i++)
+        free((char *)(uintptr_t)input->let[i].name);
 }

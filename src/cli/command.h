@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include "driftlab/parameter.h"
+#include "driftlab/scene.h"
 
 typedef enum cli_exit {
     CLI_OK = 0,
@@ -30,6 +31,9 @@ typedef struct cli_input {
     size_t words;
     char *repeated[CLI_MAX_REPEATED]; /* values of the option that may be repeated */
     size_t repeats;
+    dl_let let[CLI_MAX_REPEATED]; /* of --let; the name's memory is the input's, the value lies in
+                                     it */
+    size_t lets;
     const char *line; /* the whole command line, for the metadata of results */
 } cli_input;
 
@@ -46,14 +50,16 @@ typedef struct cli_command {
     const char *details;   /* more for --help; may be NULL */
     size_t least_words, most_words;
     const cli_repeated *repeated; /* NULL: there is none */
+    bool takes_let;               /* --let NAME=VALUE, for cli_read_scene */
     dl_parameter_table options;
     size_t values_size;
     cli_exit (*run)(const cli_input *input);
 } cli_command;
 
 extern const cli_command cli_command_run, cli_command_study, cli_command_report,
-    cli_command_explain, cli_command_observe, cli_command_paper, cli_command_picture,
-    cli_command_reference, cli_command_list, cli_command_help;
+    cli_command_compare, cli_command_map, cli_command_explain, cli_command_observe,
+    cli_command_paper, cli_command_picture, cli_command_reference, cli_command_measure,
+    cli_command_check, cli_command_recommend, cli_command_list, cli_command_help;
 
 /* All of them, NULL-terminated. */
 extern const cli_command *const cli_commands[];
@@ -62,6 +68,15 @@ const cli_command *cli_command_find(const char *name);
 
 /* Whether the option stands on the line, with its default or another value. */
 bool cli_input_gives(const cli_command *command, const cli_input *input, const char *option);
+
+/* The option --let of every command that takes it. */
+extern const cli_repeated cli_let;
+
+/* Reads a scene with the numbers that --let sets. */
+dl_status cli_read_scene(const cli_input *input, const char *path, dl_scene **scene,
+                         dl_error *error);
+/* DL_INPUT where there is a --let: what `path` holds is no scene file. */
+dl_status cli_refuse_let(const cli_input *input, const char *path, dl_error *error);
 
 #define CLI_TABLE(array)                                                                           \
     { .rows = (array), .count = sizeof(array) / sizeof *(array) }

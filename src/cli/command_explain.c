@@ -37,7 +37,7 @@ static cli_exit explain(const cli_input *input) {
     dl_scene *scene = NULL;
     dl_model *model = NULL;
     dl_error error = {""};
-    dl_status status = dl_scene_read(input->word[0], &scene, &error);
+    dl_status status = cli_read_scene(input, input->word[0], &scene, &error);
     if (!status)
         status = dl_model_create(scene, &model, &error);
     if (!status) {
@@ -55,5 +55,6 @@ const cli_command cli_command_explain = {
     .summary = "what a scene's model contains, what it leaves out, which kernel and why",
     .least_words = 1,
     .most_words = 1,
+    .takes_let = true,
     .run = explain,
 };

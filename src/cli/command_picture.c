@@ -89,6 +89,7 @@ static const dl_parameter options[] = {
 
 /* What a picture is made from. */
 typedef struct source {
+    const cli_input *input;
     const char *path;
     dl_scene *scene;
     dl_frames *frames; /* NULL: a scene's initial state */
@@ -160,7 +161,7 @@ static dl_status allocate(source *from, dl_error *error) {
 }
 
 static dl_status read_scene(source *from, const picture_values *values, dl_error *error) {
-    dl_status status = dl_scene_read(from->path, &from->scene, error);
+    dl_status status = cli_read_scene(from->input, from->path, &from->scene, error);
     if (!status)
         status = check_initial(values, from->path, error);
     if (!status)
@@ -176,7 +177,9 @@ static dl_status read_scene(source *from, const picture_values *values, dl_error
 }
 
 static dl_status read_trajectory(source *from, const picture_values *values, dl_error *error) {
-    dl_status status = dl_frames_open(from->path, &from->frames, error);
+    dl_status status = cli_refuse_let(from->input, from->path, error);
+    if (!status)
+        status = dl_frames_open(from->path, &from->frames, error);
     if (!status)
         status = choose_frame(from, values, error);
     if (!status)
@@ -284,14 +287,15 @@ static dl_status write_player(const cli_input *input, const char *out, dl_error 
                 options[k].name, out);
     if (!dl_file_is_hdf5(path))
         return dl_fail(error, DL_INPUT, "%s: found no trajectory, expected one for a player", path);
-    return dl_player_write(&path, 1, out, error);
+    const dl_status status = cli_refuse_let(input, path, error);
+    return status ? status : dl_player_write(&path, 1, out, error);
 }
 
-static dl_status write_picture(const char *path, const picture_values *values, const char *out,
-                               dl_error *error) {
-    source from = {.path = path};
-    dl_status status = dl_file_is_hdf5(path) ? read_trajectory(&from, values, error)
-                                             : read_scene(&from, values, error);
+static dl_status write_picture(const cli_input *input, const char *out, dl_error *error) {
+    const picture_values *const values = input->values;
+    source from = {.input = input, .path = input->word[0]};
+    dl_status status = dl_file_is_hdf5(from.path) ? read_trajectory(&from, values, error)
+                                                  : read_scene(&from, values, error);
     if (!status)
         status = draw(&from, values, out, error);
     source_close(&from);
@@ -309,7 +313,7 @@ static cli_exit picture(const cli_input *input) {
     else if (ends_in(out, ".html"))
         status = write_player(input, out, &error);
     else
-        status = write_picture(input->word[0], values, out, &error);
+        status = write_picture(input, out, &error);
     if (!status)
         printf("picture: %s\n", out);
     free(beside);
@@ -324,6 +328,7 @@ const cli_command cli_command_picture = {
                "other option goes with it.\n",
     .least_words = 1,
     .most_words = 1,
+    .takes_let = true,
     .options = CLI_TABLE(options),
     .values_size = sizeof(picture_values),
     .run = picture,

@@ -1,11 +1,11 @@
 /* driftlab run: one scene, one method, one summary. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cli/command.h"
 #include "cli/outcome.h"
+#include "cli/settings.h"
 #include "cli/summary.h"
 #include "cli/terminal.h"
 #include "driftlab/run.h"
@@ -18,37 +18,12 @@ typedef struct run_values {
 } run_values;
 
 static const dl_parameter options[] = {
-    {.name = "method",
-     .kind = DL_TEXT,
-     .offset = offsetof(run_values, method),
-     .unit = "METHOD",
-     .doc = "method, required (driftlab list methods)"},
-    {.name = "dt",
-     .kind = DL_TEXT,
-     .offset = offsetof(run_values, dt),
-     .unit = "X",
-     .doc = "fixed step; the same as --set step=X"},
-    {.name = "rtol",
-     .kind = DL_TEXT,
-     .offset = offsetof(run_values, rtol),
-     .unit = "X",
-     .doc = "relative tolerance; the same as --set rtol=X"},
-    {.name = "t-end",
-     .kind = DL_REAL,
-     .offset = offsetof(run_values, t_end),
-     .unit = "T",
-     .minimum = 0,
-     .maximum = INFINITY,
-     .above_minimum = true,
-     .doc = "end of the run (default: the scene's)"},
-    {.name = "sample",
-     .kind = DL_REAL,
-     .offset = offsetof(run_values, sample),
-     .unit = "X",
-     .minimum = 0,
-     .maximum = INFINITY,
-     .above_minimum = true,
-     .doc = "time between samples (default: the scene's, or at most 50 samples)"},
+    CLI_OPTION_METHOD(run_values),
+    CLI_OPTION_DT(run_values),
+    CLI_OPTION_RTOL(run_values),
+    CLI_OPTION_T_END(run_values),
+    CLI_OPTION_POSITIVE(run_values, "sample", sample, "X",
+                        "time between samples (default: the scene's, or at most 50 samples)"),
     {.name = "start",
      .kind = DL_TEXT,
      .offset = offsetof(run_values, start),
@@ -59,32 +34,16 @@ static const dl_parameter options[] = {
      .offset = offsetof(run_values, out),
      .unit = "FILE.h5",
      .doc = "write an H5MD trajectory"},
-    {.name = "time-limit",
-     .kind = DL_REAL,
-     .offset = offsetof(run_values, time_limit),
-     .unit = "S",
-     .minimum = 0,
-     .maximum = INFINITY,
-     .above_minimum = true,
-     .doc = "stop after S seconds of CPU time (default: none)"},
-    {.name = "energy-bound",
-     .kind = DL_REAL,
-     .offset = offsetof(run_values, energy_bound),
-     .unit = "X",
-     .minimum = 0,
-     .maximum = INFINITY,
-     .above_minimum = true,
-     .doc = "energy error, in units of its scale, from which on a run is unstable (default: 100)"},
+    CLI_OPTION_TIME_LIMIT(run_values, "stop after S seconds of CPU time (default: none)"),
+    CLI_OPTION_POSITIVE(run_values, "energy-bound", energy_bound, "X",
+                        "energy error, in units of its scale, from which on a run is unstable "
+                        "(default: 100)"),
     {.name = "no-ledger",
      .kind = DL_FLAG,
      .offset = offsetof(run_values, no_ledger),
      .fallback = "false",
      .doc = "do not book what walls and radiation take: faster where hits are many, no errors"},
-    {.name = "json",
-     .kind = DL_FLAG,
-     .offset = offsetof(run_values, json),
-     .fallback = "false",
-     .doc = "print one JSON object instead of a table"},
+    CLI_OPTION_JSON(run_values),
 };
 
 typedef struct job {
@@ -96,41 +55,26 @@ typedef struct job {
     dl_trajectory *trajectory;
 } job;
 
-static dl_status set_method_option(job *work, const char *flag, const char *key, const char *value,
-                                   dl_error *error) {
+static dl_status apply_setting(job *work, const cli_setting *setting, dl_error *error) {
     dl_error reason = {""};
-    const dl_status status = dl_method_options_set(work->row, work->options, key, value, &reason);
-    return status ? dl_fail(error, status, "%s: %s", flag, reason.message) : DL_OK;
-}
-
-static dl_status apply_setting(job *work, const run_values *values, const char *setting,
-                               dl_error *error) {
-    char key[64];
-    const size_t length = strcspn(setting, "=");
-    if (length >= sizeof key)
-        return dl_fail(error, DL_INPUT, "--set: found \"%s\", expected KEY=VALUE", setting);
-    memcpy(key, setting, length);
-    key[length] = '\0';
-    if ((values->dt && strcmp(key, "step") == 0) || (values->rtol && strcmp(key, "rtol") == 0))
-        return dl_fail(error, DL_INPUT, "--set: found \"%s\", which --%s sets already", setting,
-                       strcmp(key, "step") == 0 ? "dt" : "rtol");
-    return set_method_option(work, "--set", key, setting + length + 1, error);
+    const dl_status status =
+        dl_method_options_set(work->row, work->options, setting->key, setting->value, &reason);
+    return status ? dl_fail(error, status, "%s: %s", setting->flag, reason.message) : DL_OK;
 }
 
 static dl_status prepare_method(job *work, const cli_input *input, dl_error *error) {
     const run_values *values = input->values;
-    if (!values->method)
-        return dl_fail(error, DL_INPUT,
-                       "--method: found none, expected a method's name (driftlab list methods)");
-    dl_status status = dl_method_find(values->method, &work->row, error);
+    cli_setting settings[CLI_MAX_SETTINGS];
+    size_t count = 0;
+    dl_status status = cli_settings_method(values->method, error);
+    if (!status)
+        status = dl_method_find(values->method, &work->row, error);
     if (!status)
         status = dl_method_options_create(work->row, work->scene, &work->options, error);
-    if (!status && values->dt)
-        status = set_method_option(work, "--dt", "step", values->dt, error);
-    if (!status && values->rtol)
-        status = set_method_option(work, "--rtol", "rtol", values->rtol, error);
-    for (size_t i = 0; !status && i < input->repeats; i++)
-        status = apply_setting(work, values, input->repeated[i], error);
+    if (!status)
+        status = cli_settings_read(input, values->dt, values->rtol, settings, &count, error);
+    for (size_t i = 0; !status && i < count; i++)
+        status = apply_setting(work, &settings[i], error);
     if (!status)
         dl_method_options_format(work->row, work->options, work->options_text,
                                  sizeof work->options_text);
@@ -228,7 +172,7 @@ static cli_exit run(const cli_input *input) {
     job work = {.out = values->out};
     dl_run_summary summary;
     dl_error error = {""};
-    dl_status status = dl_scene_read(input->word[0], &work.scene, &error);
+    dl_status status = cli_read_scene(input, input->word[0], &work.scene, &error);
     if (!status)
         status = prepare_method(&work, input, &error);
     if (!status && values->start)
@@ -260,6 +204,7 @@ const cli_command cli_command_run = {
     .summary = "integrate a scene with one method",
     .least_words = 1,
     .most_words = 1,
+    .takes_let = true,
     .repeated = &set,
     .options = CLI_TABLE(options),
     .values_size = sizeof(run_values),

@@ -41,8 +41,10 @@ static void print_option(const dl_parameter *row, FILE *out) {
 }
 
 void cli_help_command(const cli_command *command, FILE *out) {
+    const cli_repeated *const repeated[] = {command->repeated,
+                                            command->takes_let ? &cli_let : NULL};
     char form[64];
-    const bool options = command->options.count || command->repeated;
+    const bool options = command->options.count || repeated[0] || repeated[1];
     fprintf(out, "usage: driftlab %s %s%s\n\n%s\n", command->name, command->arguments,
             options ? " [OPTION ...]" : "", command->summary);
     if (command->details)
@@ -51,9 +53,11 @@ void cli_help_command(const cli_command *command, FILE *out) {
         fputs("\noptions\n", out);
     for (size_t i = 0; i < command->options.count; i++)
         print_option(&command->options.rows[i], out);
-    if (command->repeated) {
-        snprintf(form, sizeof form, "--%s %s", command->repeated->name, command->repeated->unit);
-        fprintf(out, "  %-24s %s; may be repeated\n", form, command->repeated->doc);
+    for (size_t i = 0; i < sizeof repeated / sizeof *repeated; i++) {
+        if (!repeated[i])
+            continue;
+        snprintf(form, sizeof form, "--%s %s", repeated[i]->name, repeated[i]->unit);
+        fprintf(out, "  %-24s %s; may be repeated\n", form, repeated[i]->doc);
     }
 }
 

@@ -11,6 +11,16 @@ static void line(FILE *out, const char *what, const char *text) {
     fprintf(out, "  %-10s %s\n", what, text);
 }
 
+static void explain_numbers(const dl_model *model, FILE *out) {
+    const dl_scene *scene = model->scene;
+    for (size_t i = 0; i < scene->lets; i++) {
+        char text[80], value[40];
+        dl_format_real(scene->let[i].value, value, sizeof value);
+        snprintf(text, sizeof text, "%s = %s", scene->let[i].name, value);
+        line(out, i ? "" : "let", text);
+    }
+}
+
 static void explain_particles(const dl_model *model, FILE *out) {
     char text[160];
     size_t pinned = model->particles - model->moving;
@@ -346,6 +356,7 @@ void dl_explain(dl_model *model, FILE *out) {
     if (model->scene->source && *model->scene->source)
         fprintf(out, " (%s)", model->scene->source);
     fprintf(out, "\n");
+    explain_numbers(model, out);
     explain_particles(model, out);
     explain_pairs(model, out);
     explain_crossings(model, out);

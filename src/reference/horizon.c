@@ -69,6 +69,11 @@ double dl_reference_distance(const dl_scene *scene, const dl_reference *referenc
                     reference->position_low ? reference->position_low + at : NULL, largest);
 }
 
+double dl_position_distance(const dl_scene *scene, const double *a, const double *b,
+                            double *largest) {
+    return distance(scene, a, NULL, b, NULL, largest);
+}
+
 bool dl_reference_is_past(const dl_reference *reference, size_t sample) {
     return reference->horizon > 0 && reference->time[sample] >= reference->horizon;
 }

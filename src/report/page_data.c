@@ -8,6 +8,7 @@
 
 #include "driftlab/reference.h"
 #include "report/page.h"
+#include "report/page_findings.h"
 #include "version.h"
 
 /* One object or array under construction; `failed` once anything could not be added. */
@@ -38,7 +39,7 @@ static json_t *reals(builder *build, const double *values, size_t count) {
 }
 
 /* Messages are cut to a buffer's size, perhaps inside a character: what is no UTF-8 becomes `?`. */
-static json_t *text(const char *value) {
+json_t *dl_page_text(const char *value) {
     if (!value)
         return json_string("");
     json_t *string = json_string(value);
@@ -86,7 +87,7 @@ static void put_texts(builder *build, json_t *object, const void *source, const 
     for (size_t i = 0; i < count; i++) {
         char *value;
         memcpy(&value, (const char *)source + table[i].offset, sizeof value);
-        put(build, object, table[i].name, text(value));
+        put(build, object, table[i].name, dl_page_text(value));
     }
 }
 
@@ -145,8 +146,8 @@ static json_t *reasons_not_drawn(builder *build, const dl_case *cased) {
         summary, cased->invalid, relative(summary->energy_error_max, summary->energy_scale),
         "its energy error was not measured");
     json_t *reasons = json_object();
-    put(build, reasons, "position", text(position));
-    put(build, reasons, "energy", text(energy));
+    put(build, reasons, "position", dl_page_text(position));
+    put(build, reasons, "energy", dl_page_text(energy));
     return reasons;
 }
 
@@ -199,8 +200,8 @@ static json_t *one_case(builder *build, const dl_case *cased) {
     };
     json_t *object = json_object();
     put_texts(build, object, cased, texts, sizeof texts / sizeof *texts);
-    put(build, object, "status", text(dl_status_name(cased->summary.status)));
-    put(build, object, "message", text(cased->summary.message));
+    put(build, object, "status", dl_page_text(dl_status_name(cased->summary.status)));
+    put(build, object, "message", dl_page_text(cased->summary.message));
     put(build, object, "repeats", json_integer((json_int_t)cased->repeats));
     put_errors(build, object, cased);
     put(build, object, "not_drawn", reasons_not_drawn(build, cased));
@@ -214,9 +215,9 @@ static json_t *reference_of(builder *build, const char *scene) {
     if (!reference)
         return json_null();
     json_t *object = json_object();
-    put(build, object, "description", text(reference->description));
-    put(build, object, "precision", text(reference->precision));
-    put(build, object, "note", text(reference->note));
+    put(build, object, "description", dl_page_text(reference->description));
+    put(build, object, "precision", dl_page_text(reference->precision));
+    put(build, object, "note", dl_page_text(reference->note));
     put(build, object, "error", real(reference->error));
     put(build, object, "margin", json_integer(DL_REFERENCE_MARGIN));
     put(build, object, "length", real(reference->length));
@@ -241,10 +242,13 @@ static json_t *one_scene(builder *build, const char *name, const dl_scene_record
     };
     const dl_results *results = build->results;
     json_t *object = json_object();
-    put(build, object, "name", text(name));
+    put(build, object, "name", dl_page_text(name));
     if (record)
         put_texts(build, object, record, texts, sizeof texts / sizeof *texts);
     put(build, object, "reference", reference_of(build, name));
+    char answer[2 * DL_MESSAGE_SIZE];
+    dl_results_answer(results, name, answer, sizeof answer);
+    put(build, object, "answer", dl_page_text(answer));
     const dl_case *best = NULL;
     if (results->asked_error > 0)
         best = dl_results_cheapest(results, name, results->asked_in, results->asked_error);
@@ -281,8 +285,8 @@ static json_t *all_facts(builder *build) {
     json_t *facts = json_array();
     for (size_t i = 0; i < build->results->facts; i++) {
         json_t *fact = json_object();
-        put(build, fact, "name", text(build->results->fact[i].name));
-        put(build, fact, "value", text(build->results->fact[i].value));
+        put(build, fact, "name", dl_page_text(build->results->fact[i].name));
+        put(build, fact, "value", dl_page_text(build->results->fact[i].value));
         append(build, facts, fact);
     }
     return facts;
@@ -298,13 +302,14 @@ dl_status dl_page_data(const dl_results *results, char **json, dl_error *error) 
     *json = NULL;
     json_t *root = json_object(), *cases = json_array();
     put_texts(&build, root, results, texts, sizeof texts / sizeof *texts);
-    put(&build, root, "version", text(DL_VERSION));
+    put(&build, root, "version", dl_page_text(DL_VERSION));
     put(&build, root, "asked_error", real(results->asked_error));
     put(&build, root, "facts", all_facts(&build));
     put(&build, root, "scenes", all_scenes(&build));
     for (size_t i = 0; i < results->cases; i++)
         append(&build, cases, one_case(&build, &results->cased[i]));
     put(&build, root, "cases", cases);
+    put(&build, root, "findings", dl_page_findings(results));
 
     char *dumped = build.failed ? NULL : json_dumps(root, JSON_COMPACT);
     if (dumped)

@@ -444,25 +444,12 @@ static dl_status prepare(dl_drawing *drawing, dl_error *error) {
     return check_window(&drawing->view.window, error);
 }
 
-static const canvas_ops *canvas_for(const char *path) {
-    static const canvas_ops *const canvases[] = {&dl_canvas_svg, &dl_canvas_png};
-    const size_t length = strlen(path);
-    for (size_t k = 0; k < sizeof canvases / sizeof *canvases; k++) {
-        const size_t suffix = strlen(canvases[k]->suffix);
-        if (length > suffix && strcmp(path + length - suffix, canvases[k]->suffix) == 0)
-            return canvases[k];
-    }
-    return NULL;
-}
-
 dl_status dl_picture_write(const dl_picture *picture, const char *path, dl_error *error) {
-    dl_drawing drawing = {.picture = picture, .ops = canvas_for(path)};
-    if (!drawing.ops)
-        return dl_fail(error, DL_INPUT,
-                       "%s: found no picture's name, expected one that ends in "
-                       ".svg or .png",
-                       path);
-    dl_status status = prepare(&drawing, error);
+    dl_drawing drawing = {.picture = picture};
+    dl_status status = dl_canvas_for(path, &drawing.ops, error);
+    if (status)
+        return status;
+    status = prepare(&drawing, error);
     if (!status)
         status = draw(&drawing, error);
     if (!status)

@@ -48,6 +48,7 @@ static dl_status write_report(const dl_results *results, dl_span players, const 
             {"style", DL_ASSET(page_css)},     {"chartjs", DL_ASSET(chartjs)},
             {"dom", DL_ASSET(dom_js)},         {"format", DL_ASSET(format_js)},
             {"charts", DL_ASSET(charts_js)},   {"player", DL_ASSET(player_js)},
+            {"export", DL_ASSET(export_js)},   {"findings", DL_ASSET(findings_js)},
             {"page", DL_ASSET(page_js)},
         };
         status =

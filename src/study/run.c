@@ -23,6 +23,8 @@ typedef struct pulse {
 } pulse;
 
 static const double pulse_seconds = 0.05;
+/* A run whose steps become slow (walls are hit at every one) is seen to do so. */
+static const unsigned long most_pulse_steps = 4096;
 
 typedef struct run {
     const dl_run_options *options;
@@ -72,7 +74,7 @@ static void summary_fail(dl_run_summary *summary, dl_status status, const dl_err
 static void pulse_adapt(pulse *beat, double now) {
     const double elapsed = now - beat->last;
     if (elapsed < 0.5 * pulse_seconds)
-        beat->steps *= 2;
+        beat->steps = beat->steps < most_pulse_steps ? 2 * beat->steps : most_pulse_steps;
     else if (elapsed > 2 * pulse_seconds)
         beat->steps = (unsigned long)fmax(1, (double)beat->steps * pulse_seconds / elapsed);
     beat->left = beat->steps;

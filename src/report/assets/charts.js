@@ -124,6 +124,32 @@ const strokeLine = (context, look, left, right, height) =>
   strokeFrom(context, look, [left, height], [right, height]);
 const strokeUpright = (context, look, at, top, bottom) =>
   strokeFrom(context, look, [at, top], [at, bottom]);
+/* Intervals of confidence of points that have one. */
+const whiskers = {
+  id: "whiskers",
+  beforeDatasetsDraw(chart) {
+    const {ctx, scales: {y}} = chart;
+    ctx.save();
+    for (const meta of chart.getSortedVisibleDatasetMetas()) {
+      const set = chart.data.datasets[meta.index];
+      ctx.strokeStyle = set.borderColor;
+      meta.data.forEach((point, i) => {
+        const {low, high} = set.data[i];
+        if (typeof low !== "number" || typeof high !== "number") return;
+        ctx.beginPath();
+        for (const value of [low, high]) {
+          const at = y.getPixelForValue(value);
+          ctx.moveTo(point.x - 4, at);
+          ctx.lineTo(point.x + 4, at);
+        }
+        ctx.moveTo(point.x, y.getPixelForValue(low));
+        ctx.lineTo(point.x, y.getPixelForValue(high));
+        ctx.stroke();
+      });
+    }
+    ctx.restore();
+  },
+};
 
 /* How many points are on the screen: written where a test can read it. */
 const countPoints = chart => {
@@ -151,7 +177,7 @@ const dataset = (line, hidden, radius) => paint({
   look: line.look,
   data: line.points,
   hidden: hidden.has(line.name),
-  showLine: true,
+  showLine: !line.bare,
   spanGaps: false,
   borderDash: line.look.dash,
   borderWidth: 1.8,
@@ -163,14 +189,14 @@ const dataset = (line, hidden, radius) => paint({
   clip: 8, /* points on the frame stay whole */
 }, false);
 
-/* `plan`: {lines: [{name, look, points: [{x, y, ...}]}], x, y (axes), marks, tooltip(point),
+/* `plan`: {lines: [{name, look, bare (points alone), points: [{x, y, low, high, ...}]}], x, y (axes), marks, tooltip(point),
  * hidden (names), radius, label (for screen readers)}. */
 const makeChart = (canvas, plan) => {
   canvas.setAttribute("aria-label", plan.label);
   const chart = new Chart(canvas, {
     type: "scatter",
     data: {datasets: plan.lines.map(line => dataset(line, plan.hidden, plan.radius))},
-    plugins: [marks],
+    plugins: [marks, whiskers],
     options: {
       animation: false,
       maintainAspectRatio: false,

@@ -45,8 +45,9 @@ const byError = metric => (a, b) => METRICS[metric].value(a) - METRICS[metric].v
 const writeQuestion = () => {
   const parts = [];
   if (results.question) parts.push(element("p", {className: "question"}, results.question));
+  const total = results.cases.length + results.findings.length;
   const facts = [results.study && "study " + results.study, results.kind,
-                 results.cases.length + (results.cases.length === 1 ? " case" : " cases"),
+                 total + (total === 1 ? " case" : " cases"),
                  asked && `asked: ${asked.metric.name} at most ${scientific(asked.error)}`];
   parts.push(element("p", {className: "quiet"}, facts.filter(Boolean).join(" · ")));
   page.append(...parts);
@@ -92,7 +93,16 @@ const missedSentence = scene => {
           ` with ${scientific(asked.metric.value(closest))}.`].flat();
 };
 
+/* Studies of other kinds: what each scene's answer says, in the words of the program. */
+const writeFound = () => {
+  const box = element("section", {id: "answer", className: "answer"},
+                      element("h2", {}, "The answer"));
+  for (const scene of scenes) box.append(element("p", {}, scene.answer));
+  page.append(box);
+};
+
 const writeAnswer = () => {
+  if (results.findings.length) writeFound();
   if (!asked) return;
   const box = element("section", {id: "answer", className: "answer"});
   box.append(element("h2", {}, `The answer: ${asked.metric.name} ≤\u00a0${scientific(asked.error)}`));
@@ -150,8 +160,9 @@ const costPlan = (scene, metric, cost, hidden) => {
   };
 };
 
-/* A frame, titled or not, for one chart; draw(plan) fills it anew and returns the chart or null. */
-const makeFrame = (name, title, empty) => {
+/* A frame, titled or not, for one chart; draw(plan) fills it anew and returns the chart or null.
+ * `saved`: how the names of its files begin. */
+const makeFrame = (name, title, empty, saved) => {
   const holder = element("div", {className: "canvas"});
   let chart = null;
   const draw = plan => {
@@ -165,7 +176,8 @@ const makeFrame = (name, title, empty) => {
     if (!plan) holder.append(element("p", {className: "empty"}, empty));
     return chart;
   };
-  const figure = element("figure", {}, title ? element("figcaption", {}, title) : null, holder);
+  const figure = element("figure", {}, title ? element("figcaption", {}, title) : null, holder,
+                         chartSaver(saved, () => chart));
   return {figure, draw};
 };
 
@@ -213,7 +225,7 @@ const writeCostCharts = (scene, section) => {
   const charts = [], hidden = new Set();
   const empty = "No case has an error that can be drawn here.";
   const frames = Object.entries(COSTS).map(
-    ([cost, {title}]) => [cost, makeFrame(cost, title, empty)]);
+    ([cost, {title}]) => [cost, makeFrame(cost, title, empty, `${scene.name} ${title}`)]);
   const note = element("p", {className: "quiet"});
   const missing = element("div", {className: "not-drawn"});
   const legend = element("div", {});
@@ -332,7 +344,8 @@ const writeTimeChart = (scene, section) => {
   for (const line of scene.lines)
     state.picked.set(line, chosenCase(scene, scene.cases.filter(one => one.line === line),
                                           "energy"));
-  const frame = makeFrame("time", "", "None of the chosen cases has samples here.");
+  const frame = makeFrame("time", "", "None of the chosen cases has samples here.",
+                          `${scene.name} error over time`);
   const legend = element("div", {});
   const draw = () => {
     const lines = timeLines(scene, state.metric, state.mode, state.picked)
@@ -465,6 +478,10 @@ const writeTable = (scene, section) => {
   section.append(
     element("h3", {}, `Every case (${scene.cases.length})`),
     element("div", {className: "scroll"}, element("table", {className: "cases"}, head, body)),
+    tableSaver(`${scene.name} cases`, () => [
+      columns.map(column => column.title + (column.unit ? ` [${column.unit}]` : "")),
+      ...scene.cases.map(one => columns.map(column =>
+        (column.key ? one[column.key] : (column.full || column.value)(one))))]),
     element("p", {className: "quiet"}, repeatsNote(scene), " Errors and momenta “of scale” are "
       + "divided by the scene's energy or momentum scale. Click a heading to sort; a figure's full "
       + "digits and a case's options show where the pointer rests."));
@@ -527,7 +544,7 @@ const writeCommands = () => {
   const study = results.facts.find(fact => fact.name === "command");
   if (study) section.append(element("p", {}, "The study:"), pre(study.value));
   for (const scene of scenes) {
-    const commands = scene.cases.map(one => one.command).filter(Boolean);
+    const commands = [...scene.cases, ...scene.findings].map(one => one.command).filter(Boolean);
     const where = scenes.length > 1 ? ` on ${scene.name}` : "";
     if (commands.length)
       section.append(folded(`Each case${where}: ${commands.length} commands`,
@@ -540,7 +557,9 @@ const writeScene = scene => {
   const section = element("section", {id: scene.id, className: "scene"},
                           element("h2", {}, "Scene " + scene.name));
   page.append(section);
-  if (!scene.cases.length) {
+  if (scene.findings.length) {
+    writeFindings.ofScene(scene, section);
+  } else if (!scene.cases.length) {
     section.append(element("p", {}, "No case has run on this scene."));
   } else {
     section.append(element("h3", {}, "Error against cost"));
@@ -551,20 +570,22 @@ const writeScene = scene => {
     drawTime();
     writeTable(scene, section);
   }
-  writeReference(scene, section);
+  if (!scene.findings.length) writeReference(scene, section);
   writeSceneText(scene, section);
 };
 
-const lines = findLines(results.cases);
+const lines = findLines(results.cases).concat(findLines(results.findings));
 const scenes = results.scenes.map((scene, index) => {
   const cases = results.cases.filter(one => one.scene === scene.name);
-  const present = new Set(cases.map(one => one.line));
-  return {...scene, id: "scene-" + (index + 1), cases,
+  const findings = results.findings.filter(one => one.scene === scene.name);
+  const present = new Set([...cases, ...findings].map(one => one.line));
+  return {...scene, id: "scene-" + (index + 1), cases, findings,
           lines: lines.filter(line => present.has(line))};
 });
 
 writeQuestion();
 writeAnswer();
+if (results.findings.length) writeFindings.overview(results.findings);
 scenes.forEach(writeScene);
 writePlayers(page);
 writeProvenance();
