@@ -756,6 +756,34 @@ static void a_series_is_frame_by_frame(void **state) {
     json_decref(root);
 }
 
+/* A mean over steps that has few frames of them is another number: it is said, and printed. */
+static void few_frames_make_no_temperature(void **state) {
+    (void)state;
+    static const struct {
+        const char *arguments;
+        bool warned;
+    } cases[] = {
+        {"c.h5 --last --what states --window 49", true}, /* frames are 5 steps apart */
+        {"c.h5 --last --what states --window 50", false},
+        {"c.h5 --last --what temperature --window 10", true},
+        {"c.h5 --last --what motion --window 10", false},
+        {"c.h5 --time 0 --what states --window 10", false}, /* it has no past */
+        {"comet.yaml --what states --window 10", false},
+    };
+    char out[20000], line[160];
+    write_comet();
+    assert_int_equal(run_program("run comet.yaml --method leapfrog --out c.h5", out, sizeof out),
+                     0);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        snprintf(line, sizeof line, "observe %s", cases[k].arguments);
+        assert_int_equal(run_program(line, out, sizeof out), 0);
+        const bool warned = strstr(out, "warning: temperatures and states are means over");
+        if (warned != cases[k].warned)
+            fail_msg("%s: %s", line, out);
+    }
+    assert_non_null(strstr(out, "states"));
+}
+
 static void what_has_escaped_is_named(void **state) {
     (void)state;
     char out[4000];
@@ -880,6 +908,7 @@ int main(void) {
         cmocka_unit_test(command_observes_a_trajectory),
         cmocka_unit_test(command_chooses_frames),
         cmocka_unit_test(a_series_is_frame_by_frame),
+        cmocka_unit_test(few_frames_make_no_temperature),
         cmocka_unit_test(what_has_escaped_is_named),
         cmocka_unit_test(the_system_alone_is_what_is_left),
         cmocka_unit_test(command_refuses),

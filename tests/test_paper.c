@@ -17,6 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "io/lock.h"
 #include "study/paper_quantity.h"
 
 static char folder[] = "/tmp/driftlab-paper-XXXXXX";
@@ -56,6 +57,10 @@ static void write_scene(const char *speed) {
              "time: {step: 1.0e-3, end: 8, sample: 0.01}\n",
              speed);
     write_text("pair.yaml", text);
+    /* Two particles at one place are no scene. */
+    write_text("twice.yaml", "name: twice\nsource: test\ndimension: 2\nparticles:\n"
+                             "  - {at: [0, 1], mass: 1}\n  - {at: [0, 1], mass: 1}\n"
+                             "time: {step: 1.0e-3, end: 8, sample: 0.01}\n");
 }
 
 static int make_folder(void **state) {
@@ -88,6 +93,8 @@ static int remove_folder(void **state) {
     clean(state);
     char path[128];
     snprintf(path, sizeof path, "%s/pair.yaml", folder);
+    remove(path);
+    snprintf(path, sizeof path, "%s/twice.yaml", folder);
     remove(path);
     rmdir(runs);
     return rmdir(folder);
@@ -147,11 +154,12 @@ static void verdicts_follow_the_rule(void **state) {
         {"98", DL_RULE_EQUAL, 0, INFINITY, 0, NAN, 0.5, DL_NOT_COMPUTABLE},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char published[32], computed[] = "mass", reason[] = "";
+        char published[32], computed[] = "mass", reason[] = "", criterion[] = "";
         snprintf(published, sizeof published, "%s", cases[i].published);
         dl_paper_claim claim = {.published = published,
                                 .computed = computed,
                                 .reason = reason,
+                                .criterion = criterion,
                                 .rule = cases[i].rule,
                                 .digit = cases[i].digit,
                                 .within = cases[i].within,
@@ -166,6 +174,42 @@ static void verdicts_follow_the_rule(void **state) {
     }
 }
 
+/* Words have verdicts of their own, by the criterion, and no difference from a number. */
+static void words_are_judged_by_their_criterion(void **state) {
+    (void)state;
+    static const struct {
+        const char *criterion;
+        int rule;
+        double within, value;
+        dl_verdict verdict;
+        const char *text;
+    } cases[] = {
+        {"120", DL_RULE_AT_LEAST, INFINITY, 167, DL_AS_SAID, "criterion: at least 120"},
+        {"120", DL_RULE_AT_LEAST, INFINITY, 104, DL_NOT_AS_SAID, "criterion: at least 120"},
+        {"19", DL_RULE_AT_MOST, INFINITY, 29, DL_NOT_AS_SAID, "criterion: at most 19"},
+        {"13", DL_RULE_EQUAL, 3, 10, DL_AS_SAID, "criterion: 13 within 3"},
+        {"13", DL_RULE_EQUAL, 3, 21, DL_NOT_AS_SAID, "criterion: 13 within 3"},
+        {"1.14", DL_RULE_EQUAL, INFINITY, 1.1447, DL_AS_SAID, "criterion: 1.14 within 0.005"},
+        {"0", DL_RULE_EQUAL, INFINITY, NAN, DL_NOT_COMPUTABLE, "criterion: 0 within 0.5"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char published[] = "most", computed[] = "mass", reason[] = "", criterion[16];
+        snprintf(criterion, sizeof criterion, "%s", cases[i].criterion);
+        dl_paper_claim claim = {.published = published,
+                                .computed = computed,
+                                .reason = reason,
+                                .criterion = criterion,
+                                .rule = cases[i].rule,
+                                .within = cases[i].within};
+        dl_paper_row row = {.value = cases[i].value};
+        assert_int_equal(dl_paper_claim_prepare(&claim, NULL), DL_OK);
+        dl_paper_judge(&claim, &row);
+        if (row.verdict != cases[i].verdict || strcmp(row.rule, cases[i].text) != 0)
+            fail_msg("case %zu: %s, \"%s\"", i, dl_verdict_name(row.verdict), row.rule);
+        assert_true(isnan(row.difference));
+    }
+}
+
 /* --- the whole -------------------------------------------------------------------------------- */
 
 static const char small[] = HEAD
@@ -177,9 +221,11 @@ static const char small[] = HEAD
         "computed: particles, scene: pair.yaml") CLAIM("rest <distance>", "1.00",
                                                        "computed: rest-distance, scene: pair.yaml")
         CLAIM("from the far run", "1", "computed: y, run: far, step: 5000") CLAIM(
-            "steps", "500", "computed: steps, run: swing") CLAIM("no such scene", "1",
-                                                                 "computed: mass, scene: none.yaml")
-            CLAIM("refused", "1", "computed: refused, scene: none.yaml") CLAIM(
+            "steps", "500",
+            "computed: steps, run: swing") CLAIM("no such mass", "1",
+                                                 "particle: 9, computed: particle-mass, "
+                                                 "scene: pair.yaml")
+            CLAIM("refused", "1", "computed: refused, scene: twice.yaml") CLAIM(
                 "not a frame", "1",
                 "computed: y, run: swing, step: 7") "  - part: two\n    what: [start, a step]\n    "
                                                     "where: there\n"
@@ -210,7 +256,8 @@ static void claims_get_their_verdicts(void **state) {
                      dl_verdict_name(report->row[i].verdict), report->row[i].value,
                      report->row[i].reason);
     assert_non_null(strstr(report->row[3].reason, "--long"));
-    assert_non_null(strstr(report->row[5].reason, "none.yaml"));
+    assert_non_null(strstr(report->row[5].reason, "expected at most 2"));
+    assert_non_null(strstr(report->row[6].reason, "twice.yaml"));
     assert_true(isnan(report->row[3].difference));
     assert_true(report->row[1].difference == -1);
     assert_int_equal(report->run[0].fate, DL_RUN_FINISHED);
@@ -233,7 +280,7 @@ static void the_page_holds_all_of_it(void **state) {
                                         "three particles",
                                         "rest &lt;distance&gt;",
                                         "from the far run",
-                                        "no such scene",
+                                        "no such mass",
                                         "not a frame",
                                         "a step",
                                         "Figure 7",
@@ -319,6 +366,19 @@ static void a_damaged_run_is_made_again(void **state) {
     dl_paper_free(paper);
 }
 
+/* Apart from the numbers, and not as numbers. */
+static void words_stand_on_the_page(const dl_paper_report *report) {
+    dl_error error = {""};
+    assert_int_equal(dl_paper_write(&report, 1, page, &error), DL_OK);
+    char *text = read_text(page);
+    assert_non_null(strstr(text, "<td class=\"words\">a few</td>"));
+    assert_int_equal(occurrences(text, "class=\"verdict as-said\""), 1);
+    assert_int_equal(occurrences(text, "class=\"verdict not-as-said\""), 1);
+    assert_non_null(strstr(text, "<b>1</b>as said in words"));
+    assert_non_null(strstr(text, "1 of 2 as said"));
+    free(text);
+}
+
 /* What was put in agrees but proves nothing; what is not computed says why; a change is between two
  * steps; a table can be added up. */
 static void rows_of_other_kinds(void **state) {
@@ -332,7 +392,16 @@ static void rows_of_other_kinds(void **state) {
                     CLAIM("then", "1", "computed: y, run: swing, step: 500")
                         CLAIM("first", "1", "computed: y, run: swing, step: 100")
                             CLAIM("change", "1", "computed: y, run: swing, step: 500, since: 100")
-                                CLAIM("end", "0.5", "computed: end, run: swing"));
+                                CLAIM("end", "0.5", "computed: end, run: swing")
+                                    CLAIM("reached", "0.5", "computed: reached, run: swing")
+                                        CLAIM("mass of the second", "1",
+                                              "computed: particle-mass, particle: 2, run: swing")
+                                            CLAIM("words and judged", "a few",
+                                                  "computed: particles, rule: at-most, "
+                                                  "criterion: 2, scene: pair.yaml")
+                                                CLAIM("words and not so", "most",
+                                                      "computed: particles, rule: at-least, "
+                                                      "criterion: 3, scene: pair.yaml"));
     static const dl_verdict expected[] = {DL_INPUT_DATA, DL_DIFFERS, DL_NOT_COMPUTABLE};
     dl_paper_report *report = run_paper(paper, false);
     const dl_paper_row *row = report->row;
@@ -343,7 +412,13 @@ static void rows_of_other_kinds(void **state) {
     assert_int_equal(dl_paper_count(report, DL_INPUT_DATA), 1);
     assert_true(fabs(row[5].value - (row[3].value - row[4].value)) < 1e-15);
     assert_true(fabs(row[5].value) > 1e-3);
-    assert_int_equal(row[6].verdict, DL_AGREES);
+    for (size_t i = 6; i < 9; i++)
+        assert_int_equal(row[i].verdict, DL_AGREES);
+    assert_int_equal(row[9].verdict, DL_AS_SAID);
+    assert_int_equal(row[10].verdict, DL_NOT_AS_SAID);
+    assert_int_equal(dl_paper_count(report, DL_AS_SAID), 1);
+    assert_int_equal(dl_paper_count(report, DL_NOT_AS_SAID), 1);
+    words_stand_on_the_page(report);
     dl_paper_report_free(report);
     dl_paper_free(paper);
 }
@@ -635,6 +710,105 @@ static void a_failed_run_is_a_result(void **state) {
     dl_paper_free(paper);
 }
 
+/* Forty rows of four whose distances grow, or shrink, by a factor from one to the next. */
+static char *rows_of_particles(char *text, size_t size, double growth) {
+    int length = snprintf(text, size, "name: rows\nsource: test\ndimension: 2\nparticles:\n");
+    double height = 0.05, apart = 0.1;
+    for (int row = 0; row < 40; row++) {
+        for (int k = 0; k < 4; k++)
+            length += snprintf(text + length, size - (size_t)length, "  - {at: [%d.5, %.12g]}\n", k,
+                               height);
+        height += apart;
+        apart *= growth;
+    }
+    snprintf(text + length, size - (size_t)length,
+             "pair_law:\n  - {until: 0.04, terms: [{coefficient: 1, power: 2}]}\n"
+             "gravity: [0, -10]\n"
+             "walls: {x: [0, 4], y: [0, none], damping: 0, rule: mirror}\n"
+             "time: {step: 1.0e-3, end: 1, sample: 0.1}\n");
+    return text;
+}
+
+static void densities_go_with_the_height(void **state) {
+    (void)state;
+    char text[16384];
+    write_text("thinning.yaml", rows_of_particles(text, sizeof text, 1.05));
+    write_text("thickening.yaml", rows_of_particles(text, sizeof text, 0.95));
+    write_text("even.yaml", rows_of_particles(text, sizeof text, 1));
+    dl_paper *paper = read_paper(
+        HEAD
+        "claims:\n  - {part: a, what: [a, b, c, d], where: x, published: words, rule: at-most, "
+        "criterion: [-0.6, -0.6, 0.3, 0.3], computed: [density-trend, density-trend, "
+        "density-middle, density-middle], scene: [thinning.yaml, thickening.yaml, even.yaml, "
+        "thinning.yaml]}\n");
+    static const dl_verdict expected[] = {DL_AS_SAID, DL_NOT_AS_SAID, DL_AS_SAID, DL_NOT_AS_SAID};
+    dl_paper_report *report = run_paper(paper, false);
+    for (size_t i = 0; i < 4; i++)
+        if (report->row[i].verdict != expected[i])
+            fail_msg("row %zu: computed %.6g (%s)", i, report->row[i].value, report->row[i].reason);
+    assert_true(report->row[0].value < -0.7 && report->row[1].value > 0.7);
+    dl_paper_report_free(report);
+    dl_paper_free(paper);
+}
+
+/* Particles that do not touch, one to a bin of 0.2, with the momentum flux of a given pressure. */
+static char *flux_by_height(char *text, size_t size, bool exponential) {
+    int length = snprintf(text, size, "name: flux\nsource: test\ndimension: 2\nparticles:\n");
+    for (int k = 0; k < 20; k++) {
+        const double depth = 3.9 - 0.2 * k, pressure = exponential ? exp(depth) : 1 + depth;
+        length +=
+            snprintf(text + length, size - (size_t)length,
+                     "  - {at: [1, %.12g], velocity: [0, %.15g]}\n", 4 - depth, sqrt(pressure));
+    }
+    snprintf(text + length, size - (size_t)length,
+             "pair_law:\n  - {until: 0.04, terms: [{coefficient: 1, power: 2}]}\n"
+             "gravity: [0, -10]\n"
+             "walls: {x: [0, 4], y: [0, none], damping: 0, rule: mirror}\n"
+             "time: {step: 1.0e-3, end: 1, sample: 0.1}\n");
+    return text;
+}
+
+static void pressures_are_fitted_by_lines(void **state) {
+    (void)state;
+    char text[16384];
+    write_text("line.yaml", flux_by_height(text, sizeof text, false));
+    write_text("exponential.yaml", flux_by_height(text, sizeof text, true));
+    dl_paper *paper =
+        read_paper(HEAD "claims:\n"
+                        "  - {part: a, what: [a, b], where: x, published: words, rule: at-most, "
+                        "criterion: 1, computed: pressure-misfit, scene: [line.yaml, "
+                        "exponential.yaml]}\n");
+    dl_paper_report *report = run_paper(paper, false);
+    if (!(report->row[0].value < 1e-6 && report->row[1].value > 1e6))
+        fail_msg("computed %.6g (%s), %.6g (%s)", report->row[0].value, report->row[0].reason,
+                 report->row[1].value, report->row[1].reason);
+    dl_paper_report_free(report);
+    dl_paper_free(paper);
+}
+
+/* Seven particles that hold together and one far away: all of it, or the body with some room. */
+static void a_stray_does_not_scale_the_body(void **state) {
+    (void)state;
+    write_text("stray.yaml", "name: stray\nsource: test\ndimension: 2\nparticles:\n"
+                             "  - {lattice: {kind: hexagonal, spacing: 1, radius: 1}, mass: 1}\n"
+                             "  - {at: [90, 0], mass: 1}\n"
+                             "pair_law:\n  - {until: 1.5, terms: [{coefficient: 1, power: 2}]}\n"
+                             "time: {step: 1.0e-4, end: 0.02, sample: 1.0e-3}\n");
+    dl_paper *paper = read_paper(
+        HEAD "pictures:\n  - {part: a, figure: [all, body], scene: stray.yaml, window: [all, "
+             "body]}\n");
+    dl_paper_report *report = run_paper(paper, false);
+    for (size_t i = 0; i < 2; i++)
+        if (!report->figure[i].svg)
+            fail_msg("%s", report->figure[i].reason);
+    assert_null(strstr(report->figure[0].svg, "outside the picture"));
+    assert_non_null(strstr(report->figure[1].svg, "1 outside the picture"));
+    assert_non_null(strstr(report->figure[0].svg, ">80</text>"));
+    assert_null(strstr(report->figure[1].svg, ">80</text>"));
+    dl_paper_report_free(report);
+    dl_paper_free(paper);
+}
+
 /* --- reading ---------------------------------------------------------------------------------- */
 
 #define RUN         "runs:\n  - {name: swing, scene: pair.yaml}\n"
@@ -695,6 +869,32 @@ static void bad_papers_are_refused(void **state) {
         {HEAD RUN "pictures:\n" CURVE("published: 1 2"), ":7: ", "`curve` beside it"},
         {HEAD RUN "pictures:\n" CURVE("reason: lost"), ":7: ", "none beside `reason`"},
         {HEAD "clams: []\n", ":4: ", "did you mean \"claims\""},
+        {HEAD "claims:\n" CLAIM("a", "1", "criterion: 1, computed: mass, scene: pair.yaml"),
+         ":5: ", "beside words alone"},
+        {HEAD "claims:\n" CLAIM("a", "most", "criterion: many, computed: mass, scene: pair.yaml"),
+         ":5: ", "criterion: found \"many\", expected a number"},
+        {HEAD "claims:\n" CLAIM("a", "most", "criterion: 1, computed: none, reason: b"),
+         ":5: ", "where nothing is computed"},
+        {HEAD "runs:\n  - {name: swing, scene: none.yaml}\n",
+         ":5: ", "scene: found \"none.yaml\", expected a scene: "},
+        {HEAD "runs:\n  - {name: swing, scene: none.yaml, chained: true}\n",
+         ":5: ", "scene: found \"none.yaml\", expected a scene: "},
+        {HEAD "runs:\n  - {name: swing, scene: twice.yaml, long: true}\n",
+         ":5: ", "scene: found \"twice.yaml\", expected a scene: "},
+        {HEAD "runs:\n  - name: swing\n    scene: pair.yaml\n    set:\n      step: -1\n",
+         ":8: ", "set: step: found \"-1\""},
+        {HEAD "runs:\n  - {name: swing, scene: pair.yaml, end: 1, segment: 0.3}\n",
+         ":5: ", "segment: found 0.3"},
+        {HEAD "runs:\n  - {name: swing, scene: pair.yaml, end: 1, sample: 0.02, segment: 0.25}\n",
+         ":5: ", "segment: found 0.25"},
+        {HEAD "claims:\n" CLAIM("a", "1", "computed: mass, scene: none.yaml"),
+         ":5: ", "scene: found \"none.yaml\", expected a scene: "},
+        {HEAD "claims:\n" CLAIM("a", "1", "computed: mass, scene: twice.yaml"),
+         ":5: ", "scene: found \"twice.yaml\", expected a scene: "},
+        {HEAD "claims:\n" CLAIM("a", "1", "computed: refused, scene: none.yaml"),
+         ":5: ", "scene: found \"none.yaml\", expected a scene: "},
+        {HEAD "pictures:\n  - {part: a, figure: b, scene: none.yaml}\n",
+         ":5: ", "scene: found \"none.yaml\", expected a scene: "},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         dl_paper *paper = (dl_paper *)&bad;
@@ -710,25 +910,12 @@ static void bad_papers_are_refused(void **state) {
     }
 }
 
-static void a_segment_must_fit(void **state) {
-    (void)state;
-    dl_paper *paper = read_paper(
-        HEAD "runs:\n  - {name: swing, scene: pair.yaml, end: 1, segment: 0.3}\n"
-             "  - {name: other, scene: pair.yaml, end: 1, sample: 0.02, segment: 0.25}\n");
-    dl_paper_report *report = run_paper(paper, false);
-    for (size_t i = 0; i < 2; i++) {
-        assert_int_equal(report->run[i].fate, DL_RUN_MISSING);
-        assert_non_null(strstr(report->run[i].message, "segment"));
-    }
-    dl_paper_report_free(report);
-    dl_paper_free(paper);
-}
-
 static void help_names_every_key(void **state) {
     (void)state;
-    static const char *const keys[] = {"published", "computed", "where",           "segment",
-                                       "chained",   "long",     "not_recoverable", "rest-distance",
-                                       "curve",     "within",   "about",           "energy-error"};
+    static const char *const keys[] = {
+        "published",       "computed",      "where", "segment",      "chained", "long",
+        "not_recoverable", "rest-distance", "curve", "within",       "about",   "energy-error",
+        "criterion",       "as said",       "body",  "density-trend"};
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
@@ -829,7 +1016,8 @@ static void the_command_tells_everything(void **state) {
     free(text);
     text = command("paper.yaml --long --out test.html", &code);
     assert_int_equal(code, 0);
-    assert_non_null(strstr(text, "7 agree, 1 differ, 0 put in, 2 not computable"));
+    assert_non_null(
+        strstr(text, "7 agree, 1 differ, 0 as said, 0 not as said, 0 put in, 2 not computable"));
     free(text);
     char path[128];
     snprintf(path, sizeof path, "rm -r %s/test.html.runs", folder);
@@ -856,9 +1044,43 @@ static void the_command_refuses_what_it_does_not_know(void **state) {
     }
 }
 
+static void bad_input_ends_before_anything_runs(void **state) {
+    (void)state;
+    int code;
+    write_text("paper.yaml", HEAD "runs:\n  - {name: swing, scene: pair.yaml, end: 0.5}\n"
+                                  "  - {name: other, scene: pair.yaml, set: {step: -1}}\n");
+    char *text = command("paper.yaml --out page.html", &code);
+    if (code != 2 || !strstr(text, "paper.yaml:6: set: step: found \"-1\", expected"))
+        fail_msg("exit %d, \"%s\"", code, text);
+    free(text);
+    assert_int_not_equal(access(page, F_OK), 0);
+    char path[128];
+    snprintf(path, sizeof path, "%s/swing.h5", runs);
+    assert_int_not_equal(access(path, F_OK), 0);
+}
+
+static void one_page_has_one_writer(void **state) {
+    (void)state;
+    int code;
+    dl_lock lock;
+    dl_error error = {""};
+    write_text("paper.yaml", small);
+    assert_int_equal(dl_lock_take(&lock, runs, &error), DL_OK);
+    char *text = command("paper.yaml --out page.html", &code);
+    if (code != 2 || !strstr(text, "another driftlab is writing"))
+        fail_msg("exit %d, \"%s\"", code, text);
+    free(text);
+    assert_int_not_equal(access(page, F_OK), 0);
+    dl_lock_release(&lock);
+    free(command("paper.yaml --out page.html", &code));
+    assert_int_equal(code, 0);
+    assert_int_equal(access(page, F_OK), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(verdicts_follow_the_rule),
+        cmocka_unit_test(words_are_judged_by_their_criterion),
         cmocka_unit_test_setup(claims_get_their_verdicts, clean),
         cmocka_unit_test_setup(the_page_holds_all_of_it, clean),
         cmocka_unit_test_setup(finished_runs_are_kept, clean),
@@ -872,14 +1094,18 @@ int main(void) {
         cmocka_unit_test_setup(a_run_starts_from_another, clean),
         cmocka_unit_test_setup(the_freeing_speed_is_the_exact_one, clean),
         cmocka_unit_test_setup(rotation_is_that_of_the_body, clean),
+        cmocka_unit_test_setup(densities_go_with_the_height, clean),
+        cmocka_unit_test_setup(pressures_are_fitted_by_lines, clean),
+        cmocka_unit_test_setup(a_stray_does_not_scale_the_body, clean),
         cmocka_unit_test_setup(a_failed_run_is_a_result, clean),
         cmocka_unit_test_setup(bad_papers_are_refused, clean),
-        cmocka_unit_test_setup(a_segment_must_fit, clean),
         cmocka_unit_test(help_names_every_key),
         cmocka_unit_test(shipped_papers_are_whole),
         cmocka_unit_test(every_figure_has_its_picture),
         cmocka_unit_test_setup(the_command_tells_everything, clean),
         cmocka_unit_test_setup(the_command_refuses_what_it_does_not_know, clean),
+        cmocka_unit_test_setup(bad_input_ends_before_anything_runs, clean),
+        cmocka_unit_test_setup(one_page_has_one_writer, clean),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

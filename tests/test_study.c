@@ -694,7 +694,7 @@ static void two_studies_do_not_write_one_file(void **state) {
     dl_lock lock;
     assert_int_equal(dl_lock_take(&lock, path, &error), DL_OK);
     assert_int_equal(dl_study_run(study, &options, &results, &error), DL_INPUT);
-    assert_non_null(strstr(error.message, "another study is writing"));
+    assert_non_null(strstr(error.message, "another driftlab is writing"));
     assert_null(results);
     dl_lock_release(&lock);
     assert_int_equal(dl_study_run(study, &options, &results, &error), DL_OK);

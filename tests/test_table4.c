@@ -43,7 +43,7 @@ static void speeds_grow_with_the_root_of_the_mass(void **state) {
         const double gas = speed("gas", masses[k], dl_paper_gas_speed) / root;
         const double liquid = speed("liquid", masses[k], dl_paper_liquid_speed) / root;
         assert_true(fabs(gas - 1.813) < 0.004);
-        assert_true(fabs(liquid - 1.19) < 0.02); /* seen every fifth step alone */
+        assert_true(fabs(liquid - 1.18) < 0.004); /* every fifth step alone sees 1.19 or more */
     }
 }
 

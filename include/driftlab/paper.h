@@ -13,7 +13,8 @@
 typedef struct dl_paper dl_paper;
 
 /* Paths in the file are relative to its own folder. DL_INPUT names file, line, key, value and what
- * was expected. Scenes are read when they are needed: one that cannot be is a verdict. */
+ * was expected, of a scene that cannot be read, an option or a segment as well; what a chained run
+ * starts from is not there yet. */
 dl_status dl_paper_read(const char *path, dl_paper **paper, dl_error *error);
 void dl_paper_free(dl_paper *paper);
 const char *dl_paper_name(const dl_paper *paper);
@@ -24,21 +25,23 @@ void dl_paper_help(FILE *out);
 typedef enum dl_verdict {
     DL_AGREES,
     DL_DIFFERS,
+    DL_AS_SAID, /* what the paper says in words, by a criterion that its file states */
+    DL_NOT_AS_SAID,
     DL_INPUT_DATA, /* it agrees since it was put in: the scene's own data */
     DL_NOT_COMPUTABLE
 } dl_verdict;
 
-/* "agrees", "differs", "input", "not computable". */
+/* "agrees", "differs", "as said", "not as said", "input", "not computable". */
 const char *dl_verdict_name(dl_verdict verdict);
 
-/* A published number. Texts without a comment belong to the paper. */
+/* What was published, a number or words. Texts without a comment belong to the paper. */
 typedef struct dl_paper_row {
     const char *part, *what, *where, *published, *unit, *note;
     char rule[96];     /* how it is judged: "half a unit of the last digit (0.0005)" */
     char from[128];    /* what it is computed from: "drop1, step 229" */
     double value;      /* computed; NaN where it is not computable */
-    double difference; /* computed - published; NaN as well */
-    double tolerance;  /* of the difference */
+    double difference; /* computed - published; NaN as well, and where words were published */
+    double tolerance;  /* of the difference, or of the criterion's */
     dl_verdict verdict;
     char *reason; /* owned: why it is not computable, or a scene was refused; "" otherwise */
 } dl_paper_row;
@@ -99,7 +102,7 @@ typedef struct dl_paper_options {
 
 /* Makes what runs are missing, computes and judges every claim, draws every picture. A run or a
  * claim that fails is part of the report: DL_OK. DL_INTERRUPTED with how to go on; DL_IO where a
- * run cannot be kept. *report is NULL then. */
+ * run cannot be kept; DL_INPUT where another process has the folder. *report is NULL then. */
 dl_status dl_paper_run(const dl_paper *paper, const dl_paper_options *options,
                        dl_paper_report **report, dl_error *error);
 void dl_paper_report_free(dl_paper_report *report);

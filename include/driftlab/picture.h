@@ -45,6 +45,11 @@ dl_status dl_picture_write(const dl_picture *picture, const char *path, dl_error
 dl_status dl_picture_window_of_system(const dl_picture *picture, dl_picture_window *window,
                                       dl_error *error);
 
+/* A window that holds the heaviest group (dl_observe_system with dl_escape_link), with room of that
+ * link around it; DL_INPUT where the pair law has no link. */
+dl_status dl_picture_window_of_body(const dl_picture *picture, dl_picture_window *window,
+                                    dl_error *error);
+
 /* States at frame `number`, state [particles]: Table IV of TR299 on the program's temperature over
  * its 500 steps up to there. DL_INPUT where there is no threshold for a mass. */
 dl_status dl_picture_states(const dl_scene *scene, dl_frames *frames, size_t number,

@@ -160,6 +160,38 @@ static dl_status observe_frames(cli_source *source, dl_observation *observation,
     return status;
 }
 
+/* Whether states are observed, or temperatures are asked for by name: every scene has these. */
+static bool wants_temperatures(const observe_values *values, const dl_observation *observation) {
+    dl_observed observed;
+    for (size_t k = 0; k < dl_observation_count(observation); k++) {
+        dl_observation_get(observation, k, &observed);
+        if (strcmp(observed.observable->name, "states") == 0 ||
+            (values->what && strcmp(observed.observable->name, "temperature") == 0))
+            return true;
+    }
+    return false;
+}
+
+/* A temperature is the mean of so many steps: from a few frames of them it is another number. A
+ * moment that has no past, of a scene or the first frame, cannot have more. */
+static void warn_of_few_frames(const observe_values *values, const cli_source *source,
+                               const dl_observation *observation) {
+    static const double fewest = 10; /* frames in a window */
+    if (!source->frames || source->last == 0 || !wants_temperatures(values, observation))
+        return;
+    const double step = source->scene->step;
+    const double apart =
+        (cli_source_time(source, source->last) - cli_source_time(source, source->last - 1)) / step;
+    if (apart * fewest <= (double)values->window * (1 + 1e-9))
+        return;
+    fprintf(stderr,
+            "driftlab: %s: warning: temperatures and states are means over %ld steps, the frames "
+            "lie %.4g steps apart: expected %.0f frames or more in %ld steps (driftlab run "
+            "--sample %.4g)\n",
+            source->file, values->window, apart, fewest, values->window,
+            (double)values->window * step / fewest);
+}
+
 static dl_status show(const observe_values *values, cli_source *source, bool in_series,
                       dl_observation *observation, dl_error *error) {
     const cli_observed observed = {.file = source->file,
@@ -170,6 +202,7 @@ static dl_status show(const observe_values *values, cli_source *source, bool in_
                                    .temperature = rules[values->temperature],
                                    .observation = observation};
     cli_series series;
+    warn_of_few_frames(values, source, observation);
     cli_series_begin(&series, &observed, values->json, stdout);
     const dl_status status = observe_frames(source, observation, in_series ? &series : NULL, error);
     if (in_series)

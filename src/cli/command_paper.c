@@ -164,24 +164,39 @@ static dl_status choose_out(work *w, const char *name, dl_error *error) {
 
 /* --- what is printed -------------------------------------------------------------------------- */
 
+static bool has_words(const dl_paper_row *row) {
+    return row->verdict == DL_AS_SAID || row->verdict == DL_NOT_AS_SAID;
+}
+
+/* Words and what they are judged by are too long for a column of numbers. */
+static void print_row(const dl_paper_row *row) {
+    char value[32] = "", difference[32] = "";
+    const bool words = has_words(row) || row->verdict == DL_NOT_COMPUTABLE;
+    if (isfinite(row->value))
+        snprintf(value, sizeof value, "%.6g", row->value);
+    if (isfinite(row->difference))
+        snprintf(difference, sizeof difference, "%+.3g", row->difference);
+    printf("  %-52.52s %12s %12s %11s  %s", row->what, words ? "" : row->published, value,
+           difference, dl_verdict_name(row->verdict));
+    if (words)
+        printf(": %s", row->published);
+    if (has_words(row))
+        printf(" (%s)", row->rule);
+    printf("%s%s\n", *row->reason ? ": " : "", row->reason);
+}
+
 static void print_report(const dl_paper_report *report) {
     printf("%s: %s\n", report->name, report->title);
     printf("  %-52s %12s %12s %11s  %s\n", "", "published", "computed", "difference", "verdict");
-    for (size_t i = 0; i < report->rows; i++) {
-        const dl_paper_row *row = &report->row[i];
-        char value[32] = "", difference[32] = "";
-        if (isfinite(row->value)) {
-            snprintf(value, sizeof value, "%.6g", row->value);
-            snprintf(difference, sizeof difference, "%+.3g", row->difference);
-        }
-        printf("  %-52.52s %12s %12s %11s  %s%s%s\n", row->what, row->published, value, difference,
-               dl_verdict_name(row->verdict), *row->reason ? ": " : "", row->reason);
-    }
+    for (size_t i = 0; i < report->rows; i++)
+        print_row(&report->row[i]);
     for (size_t i = 0; i < report->figures; i++)
         if (!report->figure[i].svg)
             printf("  no picture for %s: %s\n", report->figure[i].figure, report->figure[i].reason);
-    printf("  %zu agree, %zu differ, %zu put in, %zu not computable\n\n",
+    printf("  %zu agree, %zu differ, %zu as said, %zu not as said, %zu put in, "
+           "%zu not computable\n\n",
            dl_paper_count(report, DL_AGREES), dl_paper_count(report, DL_DIFFERS),
+           dl_paper_count(report, DL_AS_SAID), dl_paper_count(report, DL_NOT_AS_SAID),
            dl_paper_count(report, DL_INPUT_DATA), dl_paper_count(report, DL_NOT_COMPUTABLE));
 }
 

@@ -53,7 +53,7 @@ dl_status dl_lock_take(dl_lock *lock, const char *path, dl_error *error) {
     }
     close(lock->file);
     lock->file = -1;
-    return dl_fail(error, DL_INPUT, "%s: another study is writing it; wait for it, or name another",
+    return dl_fail(error, DL_INPUT, "%s: another driftlab is writing it; wait for it, or name another",
                    path);
 }
 

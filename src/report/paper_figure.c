@@ -55,6 +55,9 @@ static void write_caption(const dl_paper_state *state, char *text, size_t size) 
         snprintf(text, size, "t = %.6g · %zu particles", time, n);
 }
 
+typedef dl_status window_function(const dl_picture *picture, dl_picture_window *window,
+                                  dl_error *error);
+
 static dl_status find_states(const dl_paper_state *from, dl_state *states, dl_error *error) {
     return from->frames ? dl_picture_states(from->scene, from->frames, from->number, states, error)
                         : dl_picture_states_now(from->scene, from->y_all, states, error);
@@ -62,6 +65,8 @@ static dl_status find_states(const dl_paper_state *from, dl_state *states, dl_er
 
 static dl_status draw(const dl_paper_picture *asked, const dl_paper_state *from, const char *path,
                       dl_error *error) {
+    static window_function *const find_window[] = {NULL, dl_picture_window_of_system,
+                                                   dl_picture_window_of_body};
     char caption[128];
     dl_picture_window window;
     dl_state *states = calloc(from->scene->particles, sizeof *states);
@@ -80,7 +85,7 @@ static dl_status draw(const dl_paper_picture *asked, const dl_paper_state *from,
     write_caption(from, caption, sizeof caption);
     dl_status status = picture.colour == DL_COLOUR_STATE ? find_states(from, states, error) : DL_OK;
     if (!status && asked->window) {
-        status = dl_picture_window_of_system(&picture, &window, error);
+        status = find_window[asked->window](&picture, &window, error);
         picture.window = &window;
     }
     if (!status)

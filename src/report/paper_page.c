@@ -50,11 +50,17 @@ static void put_computed(FILE *out, const dl_paper_row *row) {
     put_number(out, text);
 }
 
+static bool is_number(const char *text) {
+    char *end;
+    strtod(text, &end);
+    return end != text && !*end;
+}
+
 static const char *verdict_class(dl_verdict verdict) {
-    static const char *const names[] = {[DL_AGREES] = "agrees",
-                                        [DL_DIFFERS] = "differs",
-                                        [DL_INPUT_DATA] = "input",
-                                        [DL_NOT_COMPUTABLE] = "not-computable"};
+    static const char *const names[] = {
+        [DL_AGREES] = "agrees",    [DL_DIFFERS] = "differs",
+        [DL_AS_SAID] = "as-said",  [DL_NOT_AS_SAID] = "not-as-said",
+        [DL_INPUT_DATA] = "input", [DL_NOT_COMPUTABLE] = "not-computable"};
     return names[verdict];
 }
 
@@ -68,8 +74,9 @@ static void put_claim(FILE *out, const dl_paper_row *row, const char *said) {
         put_element(out, "div", "note", row->note);
     fputs("</td>", out);
     put_element(out, "td", "", row->where);
-    fputs("<td class=\"number\">", out);
-    put_number(out, row->published);
+    const bool number = is_number(row->published);
+    fprintf(out, "<td class=\"%s\">", number ? "number" : "words");
+    (number ? put_number : put)(out, row->published);
     if (*row->unit) {
         fputc(' ', out);
         put(out, row->unit);
@@ -182,27 +189,36 @@ static bool part_at(const dl_paper_report *report, size_t index, const char **pa
     return false;
 }
 
-static void count_part(const dl_paper_report *report, const char *part, size_t *agree,
-                       size_t *all) {
-    *agree = *all = 0;
+/* Rows of the part with that verdict. */
+static size_t count_part(const dl_paper_report *report, const char *part, dl_verdict verdict) {
+    size_t count = 0;
     for (size_t i = 0; i < report->rows; i++)
-        if (strcmp(report->row[i].part, part) == 0) {
-            ++*all;
-            *agree += report->row[i].verdict == DL_AGREES;
-        }
+        count += strcmp(report->row[i].part, part) == 0 && report->row[i].verdict == verdict;
+    return count;
+}
+
+/* Numbers, then words, each only where there are some. */
+static void put_counts(FILE *out, const dl_paper_report *report, const char *part) {
+    const size_t agree = count_part(report, part, DL_AGREES);
+    const size_t differ = count_part(report, part, DL_DIFFERS);
+    const size_t said = count_part(report, part, DL_AS_SAID);
+    const size_t not_said = count_part(report, part, DL_NOT_AS_SAID);
+    fputs(" <span class=\"quiet\">", out);
+    if (agree + differ)
+        fprintf(out, "%zu of %zu agree", agree, agree + differ);
+    if (said + not_said)
+        fprintf(out, "%s%zu of %zu as said", agree + differ ? ", " : "", said, said + not_said);
+    fputs("</span>", out);
 }
 
 static void put_contents(FILE *out, const dl_paper_report *report) {
     const char *part;
     fputs("<ol class=\"contents\">\n", out);
     for (size_t k = 0; part_at(report, k, &part); k++) {
-        size_t agree, all;
-        count_part(report, part, &agree, &all);
         fprintf(out, "<li><a href=\"#%s-%zu\">", report->name, k);
         put(out, part);
         fputs("</a>", out);
-        if (all)
-            fprintf(out, " <span class=\"quiet\">%zu of %zu agree</span>", agree, all);
+        put_counts(out, report, part);
         fputs("</li>\n", out);
     }
     fputs("</ol>\n", out);
@@ -301,6 +317,8 @@ static void put_runs(FILE *out, const dl_paper_report *report) {
 static void put_paper(FILE *out, const dl_paper_report *report, size_t *number) {
     static const char *const several[] = {[DL_AGREES] = "agree",
                                           [DL_DIFFERS] = "differ",
+                                          [DL_AS_SAID] = "as said in words",
+                                          [DL_NOT_AS_SAID] = "not as said",
                                           [DL_INPUT_DATA] = "put in",
                                           [DL_NOT_COMPUTABLE] = "not computable"};
     fprintf(out, "<article class=\"paper\" id=\"%s\">\n", report->name);

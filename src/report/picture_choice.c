@@ -1,4 +1,5 @@
 /* What a picture takes from observation: who is solid, liquid or gas, and who has escaped. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "driftlab/picture.h"
@@ -53,6 +54,24 @@ dl_status dl_picture_window_of_system(const dl_picture *picture, dl_picture_wind
     if (!status)
         *window = dl_window_of(picture, kept, 0);
     dl_model_free(model);
+    free(kept);
+    return status;
+}
+
+dl_status dl_picture_window_of_body(const dl_picture *picture, dl_picture_window *window,
+                                    dl_error *error) {
+    const dl_scene *const scene = picture->scene;
+    const double link = dl_escape_link(scene);
+    if (!isfinite(link))
+        return dl_fail(error, DL_INPUT,
+                       "window: found a pair law whose first piece never ends, expected one that "
+                       "holds a body together");
+    bool *const kept = calloc(scene->particles, sizeof *kept);
+    dl_status status = kept ? DL_OK : dl_fail_memory(error, "a picture");
+    if (!status)
+        status = dl_observe_system(scene, picture->y_all, link, kept, error);
+    if (!status)
+        *window = dl_window_of(picture, kept, link);
     free(kept);
     return status;
 }

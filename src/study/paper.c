@@ -1,11 +1,14 @@
 /* A paper's set: runs, then claims, then pictures. */
 #include "driftlab/paper.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
+#include "io/lock.h"
 #include "report/paper_figure.h"
 #include "study/paper_quantity.h"
 #include "study/plan.h"
@@ -123,17 +126,33 @@ static dl_status draw_pictures(const dl_paper *paper, const dl_paper_options *op
     return status;
 }
 
+static dl_status make_folder(const char *folder, dl_error *error) {
+    return mkdir(folder, 0777) == 0 || errno == EEXIST
+               ? DL_OK
+               : dl_fail(error, DL_IO, "%s: cannot be made: %s", folder, strerror(errno));
+}
+
+static dl_status make_report(const dl_paper *paper, const dl_paper_options *options,
+                             dl_paper_report *report, dl_error *error) {
+    dl_status status = make_folder(options->folder, error);
+    if (!status)
+        status = make_runs(paper, options, report, error);
+    if (!status)
+        status = judge_claims(paper, options, report, error);
+    return status ? status : draw_pictures(paper, options, report, error);
+}
+
 dl_status dl_paper_run(const dl_paper *paper, const dl_paper_options *options,
                        dl_paper_report **report, dl_error *error) {
+    dl_lock lock;
     *report = NULL;
     dl_paper_report *made = report_create(paper);
     if (!made)
         return dl_fail_memory(error, "a paper's report");
-    dl_status status = make_runs(paper, options, made, error);
+    dl_status status = dl_lock_take(&lock, options->folder, error);
     if (!status)
-        status = judge_claims(paper, options, made, error);
-    if (!status)
-        status = draw_pictures(paper, options, made, error);
+        status = make_report(paper, options, made, error);
+    dl_lock_release(&lock);
     if (status)
         dl_paper_report_free(made);
     else

@@ -7,10 +7,10 @@
 #include "study/paper_plan.h"
 
 const char *dl_verdict_name(dl_verdict verdict) {
-    static const char *const names[] = {[DL_AGREES] = "agrees",
-                                        [DL_DIFFERS] = "differs",
-                                        [DL_INPUT_DATA] = "input",
-                                        [DL_NOT_COMPUTABLE] = "not computable"};
+    static const char *const names[] = {
+        [DL_AGREES] = "agrees",    [DL_DIFFERS] = "differs",
+        [DL_AS_SAID] = "as said",  [DL_NOT_AS_SAID] = "not as said",
+        [DL_INPUT_DATA] = "input", [DL_NOT_COMPUTABLE] = "not computable"};
     return names[verdict];
 }
 
@@ -26,22 +26,58 @@ bool dl_paper_has_no_number(const dl_paper_claim *claim) {
     return strcmp(claim->computed, "none") == 0;
 }
 
-dl_status dl_paper_claim_prepare(dl_paper_claim *claim, dl_error *error) {
+bool dl_paper_has_words(const dl_paper_claim *claim) {
+    return *claim->criterion;
+}
+
+static bool read_number(const char *text, double *value) {
     char *end;
+    *value = strtod(text, &end);
+    return end != text && !*end && isfinite(*value);
+}
+
+/* Words have a criterion, which is a number; a number has none. */
+static dl_status read_published(dl_paper_claim *claim, dl_error *error) {
+    if (!dl_paper_has_words(claim))
+        return read_number(claim->published, &claim->value)
+                   ? DL_OK
+                   : dl_fail(error, DL_INPUT,
+                             "published: found \"%s\", expected a number, or `criterion` beside "
+                             "words",
+                             claim->published);
+    double printed;
+    if (read_number(claim->published, &printed) || claim->input)
+        return dl_fail(error, DL_INPUT,
+                       "criterion: found \"%s\", expected it beside words alone, and no `input`",
+                       claim->criterion);
+    return read_number(claim->criterion, &claim->value)
+               ? DL_OK
+               : dl_fail(error, DL_INPUT, "criterion: found \"%s\", expected a number",
+                         claim->criterion);
+}
+
+static dl_status prepare_words_alone(const dl_paper_claim *claim, dl_error *error) {
+    if (dl_paper_has_words(claim))
+        return dl_fail(error, DL_INPUT,
+                       "criterion: found \"%s\", expected none where nothing is computed",
+                       claim->criterion);
+    return *claim->reason
+               ? DL_OK
+               : dl_fail(error, DL_INPUT, "reason: found none, expected why nothing is computed");
+}
+
+dl_status dl_paper_claim_prepare(dl_paper_claim *claim, dl_error *error) {
     claim->value = claim->tolerance = NAN;
     if (dl_paper_has_no_number(claim))
-        return *claim->reason ? DL_OK
-                              : dl_fail(error, DL_INPUT,
-                                        "reason: found none, expected why nothing is computed");
+        return prepare_words_alone(claim, error);
     if (*claim->reason)
         return dl_fail(error, DL_INPUT,
                        "reason: found \"%.80s\", expected it beside `computed: "
                        "none` alone",
                        claim->reason);
-    claim->value = strtod(claim->published, &end);
-    if (end == claim->published || *end || !isfinite(claim->value))
-        return dl_fail(error, DL_INPUT, "published: found \"%s\", expected a number",
-                       claim->published);
+    const dl_status status = read_published(claim, error);
+    if (status)
+        return status;
     if ((claim->digit > 0) + (claim->about > 0) + (isfinite(claim->within)) > 1)
         return dl_fail(error, DL_INPUT,
                        "digit, about, within: found more than one of them, expected one");
@@ -50,13 +86,26 @@ dl_status dl_paper_claim_prepare(dl_paper_claim *claim, dl_error *error) {
     else if (isfinite(claim->within))
         claim->tolerance = claim->within;
     else
-        claim->tolerance = 0.5 * (claim->digit > 0 ? claim->digit : last_digit(claim->published));
+        claim->tolerance =
+            0.5 * (claim->digit > 0 ? claim->digit
+                                    : last_digit(dl_paper_has_words(claim) ? claim->criterion
+                                                                           : claim->published));
     return DL_OK;
+}
+
+static void write_criterion(const dl_paper_claim *claim, char *text, size_t size) {
+    if (claim->rule == DL_RULE_EQUAL)
+        snprintf(text, size, "criterion: %.40s within %.3g", claim->criterion, claim->tolerance);
+    else
+        snprintf(text, size, "criterion: at %s %.40s",
+                 claim->rule == DL_RULE_AT_LEAST ? "least" : "most", claim->criterion);
 }
 
 static void write_rule(const dl_paper_claim *claim, char *text, size_t size) {
     if (dl_paper_has_no_number(claim))
         snprintf(text, size, "not judged");
+    else if (dl_paper_has_words(claim))
+        write_criterion(claim, text, size);
     else if (claim->rule == DL_RULE_AT_LEAST)
         snprintf(text, size, "at least what is printed");
     else if (claim->rule == DL_RULE_AT_MOST)
@@ -80,12 +129,16 @@ static bool holds(const dl_paper_claim *claim, double difference) {
 }
 
 void dl_paper_judge(const dl_paper_claim *claim, dl_paper_row *row) {
+    const double difference = row->value - claim->value;
+    const bool words = dl_paper_has_words(claim);
     write_rule(claim, row->rule, sizeof row->rule);
-    row->difference = row->value - claim->value;
+    row->difference = words ? NAN : difference;
     row->tolerance = claim->tolerance;
     if (!isfinite(row->value))
         row->verdict = DL_NOT_COMPUTABLE;
-    else if (!holds(claim, row->difference))
+    else if (words)
+        row->verdict = holds(claim, difference) ? DL_AS_SAID : DL_NOT_AS_SAID;
+    else if (!holds(claim, difference))
         row->verdict = DL_DIFFERS;
     else
         row->verdict = claim->input ? DL_INPUT_DATA : DL_AGREES;

@@ -32,7 +32,8 @@ typedef enum dl_paper_rule { DL_RULE_EQUAL, DL_RULE_AT_LEAST, DL_RULE_AT_MOST } 
 typedef struct dl_paper_claim {
     dl_paper_source source;
     char *part, *what, *where, *unit, *note, *published, *computed;
-    char *reason; /* why nothing is computed; "" where something is */
+    char *criterion; /* number that words are judged by; "" where a number is published */
+    char *reason;    /* why nothing is computed; "" where something is */
     int rule;
     bool input;                  /* the scene's own data */
     bool total;                  /* of an observable's table: all rows together */
@@ -41,7 +42,7 @@ typedef struct dl_paper_claim {
     double row, bin;             /* of an observable's table; row INFINITY: its first */
     long particle, span;
     double rate, perturbation, residual; /* of TR299 (3.1) */
-    double value, tolerance;             /* of what is published */
+    double value, tolerance;             /* of what is published, or of the criterion */
     size_t quantity;                     /* paper_quantity.h */
 } dl_paper_claim;
 
@@ -91,6 +92,11 @@ dl_status dl_paper_make(const dl_paper *paper, size_t number, const dl_paper_opt
 /* Whether dl_paper_make would compute (it may still find it kept). */
 bool dl_paper_is_wanted(const dl_paper_case *cased, const dl_paper_options *options);
 
+/* Reads the run's scene, sets the method's options and divides the run, and keeps nothing of it.
+ * DL_INPUT with what is wrong; *key is the key that it is of, "scene", "segment" or "set". A
+ * chained run's scene is not read. */
+dl_status dl_paper_check(const dl_paper_case *cased, const char **key, dl_error *error);
+
 /* File of segment `segment` from 0; owned by the caller. NULL: no memory. */
 char *dl_paper_trajectory(const char *folder, const dl_paper_run_row *row, size_t segment);
 
@@ -133,6 +139,8 @@ void dl_paper_curve_free(dl_paper_curve *curve);
 
 /* Whether nothing is computed for the claim: what is published may be words then. */
 bool dl_paper_has_no_number(const dl_paper_claim *claim);
+/* Whether words are published, and judged by the claim's criterion. */
+bool dl_paper_has_words(const dl_paper_claim *claim);
 /* Sets value and tolerance of the claim from its texts; DL_INPUT: "expected ...". */
 dl_status dl_paper_claim_prepare(dl_paper_claim *claim, dl_error *error);
 void dl_paper_judge(const dl_paper_claim *claim, dl_paper_row *row);

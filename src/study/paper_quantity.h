@@ -49,8 +49,8 @@ dl_status dl_quantity_measure_frames(const dl_paper_claim *claim, dl_paper_state
 /* --- paper_quantity_state.c ------------------------------------------------------------------- */
 
 extern dl_quantity_measure_function dl_measure_refused, dl_measure_particles, dl_measure_mass,
-    dl_measure_mass_count, dl_measure_x, dl_measure_y, dl_measure_vx, dl_measure_vy,
-    dl_measure_rest_distance, dl_measure_rotation_rows, dl_measure_dark_loss,
+    dl_measure_mass_count, dl_measure_particle_mass, dl_measure_x, dl_measure_y, dl_measure_vx,
+    dl_measure_vy, dl_measure_rest_distance, dl_measure_rotation_rows, dl_measure_dark_loss,
     dl_measure_temperature, dl_measure_gas_speed, dl_measure_liquid_speed;
 
 /* Value `block` of the claim's particle: position, then velocity components. */
@@ -64,19 +64,24 @@ dl_status dl_quantity_check_ended(const dl_paper_state *state, dl_error *error);
 
 extern dl_quantity_measure_function dl_measure_steps, dl_measure_iterations,
     dl_measure_energy_error, dl_measure_largest_vx, dl_measure_revolution, dl_measure_rotation,
-    dl_measure_end, dl_measure_subdivision;
+    dl_measure_end, dl_measure_reached, dl_measure_subdivision;
 
 /* --- paper_quantity_layers.c ------------------------------------------------------------------ */
 
 extern dl_quantity_measure_function dl_measure_layer_least, dl_measure_layer_most,
     dl_measure_separation_ratio;
 
+/* --- paper_quantity_heights.c ----------------------------------------------------------------- */
+
+extern dl_quantity_measure_function dl_measure_density_trend, dl_measure_density_middle,
+    dl_measure_pressure_misfit;
+
 /* --- paper_threshold.c ------------------------------------------------------------------------ */
 
 /* TR299, section 3, Table IV: smallest speed of the scene's first particle, in the direction that
  * it starts in, with which it comes farther than the pair law's first piece reaches from all others
  * (v-gas), or moves upwards until its distance from the fourth is larger than that of the second
- * from the third (v-liquid), before the scene's end. By bisection, to a thousandth. */
+ * from the third (v-liquid), before the scene's end. By bisection, to one part in 10000. */
 dl_status dl_paper_gas_speed(const dl_scene *scene, double *speed, dl_error *error);
 dl_status dl_paper_liquid_speed(const dl_scene *scene, double *speed, dl_error *error);
 

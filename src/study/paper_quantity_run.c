@@ -19,6 +19,13 @@ dl_status dl_measure_end(const dl_paper_claim *claim, const dl_paper_state *stat
     return DL_OK;
 }
 
+dl_status dl_measure_reached(const dl_paper_claim *claim, const dl_paper_state *state,
+                             double *value, dl_error *error) {
+    (void)claim, (void)error;
+    *value = state->run->reached;
+    return DL_OK;
+}
+
 dl_status dl_quantity_check_ended(const dl_paper_state *state, dl_error *error) {
     const dl_paper_run_row *run = state->run;
     return run->status == DL_OK ? DL_OK

@@ -47,6 +47,15 @@ dl_status dl_measure_mass_count(const dl_paper_claim *claim, const dl_paper_stat
     return DL_OK;
 }
 
+dl_status dl_measure_particle_mass(const dl_paper_claim *claim, const dl_paper_state *state,
+                                   double *value, dl_error *error) {
+    if (claim->particle > (long)state->scene->particles)
+        return dl_fail(error, DL_INPUT, "particle: found %ld, expected at most %zu",
+                       claim->particle, state->scene->particles);
+    *value = state->scene->inertia[claim->particle - 1];
+    return DL_OK;
+}
+
 dl_status dl_component_of(const dl_paper_claim *claim, const dl_scene *scene, const double *y_all,
                           size_t block, double *value, dl_error *error) {
     const size_t n = scene->particles;

@@ -1,8 +1,10 @@
 /* The file of a paper. */
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "io/yaml.h"
 #include "study/paper_quantity.h"
@@ -113,6 +115,49 @@ static dl_status read_source(const dl_paper *paper, const dl_yaml *yaml, const d
     return source->path ? DL_OK : dl_fail_memory(error, "a paper");
 }
 
+static bool needs_file_alone(const dl_paper_claim *claim) {
+    return claim->quantity < dl_quantity_count() &&
+           dl_quantity_at(claim->quantity)->needs == DL_NEEDS_FILE;
+}
+
+/* Whether a claim or a picture before has read that scene. */
+static bool has_been_read(const dl_paper *paper, const dl_paper_source *source) {
+    for (size_t i = 0; i < paper->claims; i++) {
+        const dl_paper_source *const other = &paper->claim[i].source;
+        if (other != source && other->path && !needs_file_alone(&paper->claim[i]) &&
+            strcmp(other->path, source->path) == 0)
+            return true;
+    }
+    for (size_t i = 0; i < paper->pictures; i++) {
+        const dl_paper_source *const other = &paper->picture[i].source;
+        if (other != source && other->path && strcmp(other->path, source->path) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* The scene must be one; where its file alone is looked at, it must be there. */
+static dl_status check_scene(const dl_paper *paper, const dl_yaml *yaml, const dl_yaml_node *map,
+                             size_t choice, const dl_paper_source *source, bool file_alone,
+                             dl_error *error) {
+    dl_scene *scene = NULL;
+    dl_error reason = {""};
+    if (!source->path || (!file_alone && has_been_read(paper, source)))
+        return DL_OK;
+    dl_status status = DL_OK;
+    if (file_alone && access(source->path, R_OK) != 0)
+        status = dl_fail(&reason, DL_INPUT, "%s: %s", source->path, strerror(errno));
+    else if (!file_alone)
+        status = dl_scene_read(source->path, &scene, &reason);
+    dl_scene_free(scene);
+    const dl_yaml_node *node = dl_yaml_get(map, "scene");
+    if (dl_yaml_kind_of(node) == DL_YAML_LIST)
+        node = dl_yaml_item(node, choice);
+    return status ? dl_fail(error, status, "%s:%d: scene: found \"%s\", expected a scene: %.700s",
+                            dl_yaml_path(yaml), dl_yaml_line(node), source->scene, reason.message)
+                  : DL_OK;
+}
+
 /* --- runs ------------------------------------------------------------------------------------- */
 
 static dl_status read_settings(const dl_yaml *yaml, const dl_yaml_node *map, dl_paper_case *cased,
@@ -163,6 +208,46 @@ static dl_status check_run(const dl_paper *paper, const dl_yaml *yaml, const dl_
     return DL_OK;
 }
 
+/* Each value by itself, where it stands. */
+static dl_status check_settings(const dl_yaml *yaml, const dl_yaml_node *map,
+                                const dl_paper_case *cased, dl_error *error) {
+    const dl_method_row *row = NULL;
+    dl_status status = dl_method_find(cased->method, &row, error);
+    void *const object = status ? NULL : calloc(1, row->options_size + 1);
+    if (!status && !object)
+        status = dl_fail_memory(error, "a paper");
+    for (size_t i = 0; i < cased->settings && !status; i++) {
+        dl_error reason = {""};
+        status = dl_parameter_set(dl_parameter_find(row->options, cased->key[i]), object,
+                                  cased->value[i], &reason);
+        if (status)
+            status =
+                dl_fail(error, status, "%s:%d: set: %.900s", dl_yaml_path(yaml),
+                        dl_yaml_line(dl_yaml_item(dl_yaml_get(map, "set"), i)), reason.message);
+    }
+    if (object)
+        dl_parameter_release(row->options, object);
+    free(object);
+    return status;
+}
+
+/* What would fail when the run is made fails now. */
+static dl_status try_run(const dl_yaml *yaml, const dl_yaml_node *map, const dl_paper_case *cased,
+                         dl_error *error) {
+    const char *key;
+    dl_error reason = {""};
+    dl_status status = check_settings(yaml, map, cased, error);
+    if (status || !(status = dl_paper_check(cased, &key, &reason)))
+        return status;
+    const dl_yaml_node *const node = dl_yaml_get(map, key);
+    const int line = dl_yaml_line(node ? node : map);
+    return strcmp(key, "scene") == 0
+               ? dl_fail(error, status, "%s:%d: scene: found \"%s\", expected a scene: %.700s",
+                         dl_yaml_path(yaml), line, cased->scene, reason.message)
+               : dl_fail(error, status, "%s:%d: %s%.900s", dl_yaml_path(yaml), line,
+                         strcmp(key, "set") == 0 ? "set: " : "", reason.message);
+}
+
 static dl_status read_run(dl_paper *paper, const dl_yaml *yaml, const dl_yaml_node *map,
                           dl_error *error) {
     dl_paper_case *cased = &paper->cased[paper->cases++];
@@ -173,13 +258,13 @@ static dl_status read_run(dl_paper *paper, const dl_yaml *yaml, const dl_yaml_no
         status = check_run(paper, yaml, map, cased, error);
     if (!status && !(cased->path = beside(paper->path, cased->scene)))
         status = dl_fail_memory(error, "a paper");
-    return status;
+    return status ? status : try_run(yaml, map, cased, error);
 }
 
 /* --- claims and pictures ---------------------------------------------------------------------- */
 
 static dl_status prepare_claim(const dl_paper *paper, const dl_yaml *yaml, const dl_yaml_node *map,
-                               dl_paper_claim *claim, dl_error *error) {
+                               size_t choice, dl_paper_claim *claim, dl_error *error) {
     dl_error reason = {""};
     const char *key = "published";
     dl_status status = dl_paper_claim_prepare(claim, &reason);
@@ -204,17 +289,17 @@ static dl_status prepare_claim(const dl_paper *paper, const dl_yaml *yaml, const
     if (needs == DL_NEEDS_RUN && !*claim->source.run)
         return dl_yaml_fail(yaml, dl_yaml_get(map, "scene"), "scene", "a run, for this quantity",
                             error);
-    return needs == DL_NEEDS_FILE && !*claim->source.scene
-               ? dl_yaml_fail(yaml, dl_yaml_get(map, "run"), "run", "a scene, for this quantity",
-                              error)
-               : DL_OK;
+    if (needs == DL_NEEDS_FILE && !*claim->source.scene)
+        return dl_yaml_fail(yaml, dl_yaml_get(map, "run"), "run", "a scene, for this quantity",
+                            error);
+    return check_scene(paper, yaml, map, choice, &claim->source, needs == DL_NEEDS_FILE, error);
 }
 
 static dl_status read_claim(dl_paper *paper, const dl_yaml *yaml, const dl_yaml_node *map,
                             size_t choice, dl_error *error) {
     dl_paper_claim *claim = &paper->claim[paper->claims++];
     const dl_status status = read_choice(yaml, map, dl_paper_claim_table, choice, claim, error);
-    return status ? status : prepare_claim(paper, yaml, map, claim, error);
+    return status ? status : prepare_claim(paper, yaml, map, choice, claim, error);
 }
 
 /* Fails with the first of these keys that the entry has. */
@@ -253,7 +338,9 @@ static dl_status read_picture(dl_paper *paper, const dl_yaml *yaml, const dl_yam
         return refuse_keys(yaml, map, others, "none beside `reason`: there is no picture", error);
     status = *picture->curve ? prepare_curve(yaml, map, picture, error)
                              : refuse_keys(yaml, map, of_curves, "`curve` beside it", error);
-    return status ? status : read_source(paper, yaml, map, &picture->source, error);
+    if (!status)
+        status = read_source(paper, yaml, map, &picture->source, error);
+    return status ? status : check_scene(paper, yaml, map, choice, &picture->source, false, error);
 }
 
 typedef dl_status read_function(dl_paper *paper, const dl_yaml *yaml, const dl_yaml_node *map,

@@ -10,8 +10,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "driftlab/run.h"
 #include "driftlab/version.h"
@@ -57,12 +57,6 @@ char *dl_paper_trajectory(const char *folder, const dl_paper_run_row *row, size_
 
 static char *record_path(const making *m) {
     return dl_text("%s/%s.json", m->options->folder, m->cased->name);
-}
-
-static dl_status make_folder(const char *folder, dl_error *error) {
-    return mkdir(folder, 0777) == 0 || errno == EEXIST
-               ? DL_OK
-               : dl_fail(error, DL_IO, "%s: cannot be made: %s", folder, strerror(errno));
 }
 
 /* --- the record ------------------------------------------------------------------------------- */
@@ -217,6 +211,30 @@ static dl_status prepare_segments(making *m, dl_error *error) {
     return DL_OK;
 }
 
+/* Of a set that is not made yet. */
+dl_status dl_paper_check(const dl_paper_case *cased, const char **key, dl_error *error) {
+    dl_paper_run_row row = {.name = cased->name};
+    making m = {.cased = cased, .row = &row};
+    *key = "scene";
+    if (cased->chained)
+        return access(cased->path, R_OK) == 0
+                   ? DL_OK
+                   : dl_fail(error, DL_INPUT, "%s: %s", cased->path, strerror(errno));
+    dl_status status = dl_scene_read(cased->path, &m.scene, error);
+    if (!status) {
+        *key = "set";
+        status = prepare_method(&m, error);
+    }
+    if (!status) {
+        *key = "segment";
+        status = prepare_segments(&m, error);
+    }
+    if (m.method)
+        dl_method_options_free(m.method, m.method_options);
+    dl_scene_free(m.scene);
+    return status;
+}
+
 static dl_status make_key(making *m, dl_error *error) {
     m->key = dl_text("driftlab %s, scene %s#%016llx, %s %s, end %.17g sample %.17g segment %.17g",
                      dl_version(), m->scene->name, (unsigned long long)dl_scene_hash(m->scene),
@@ -364,10 +382,7 @@ dl_status dl_paper_make(const dl_paper *paper, size_t number, const dl_paper_opt
                               .fate = DL_RUN_MISSING};
     forget(row);
     progress->run = cased->name;
-    dl_status status = make_folder(options->folder, error);
-    if (status)
-        return status;
-    status = read_scene(&m, &reason);
+    dl_status status = read_scene(&m, &reason);
     if (!status)
         status = prepare_method(&m, &reason);
     if (!status)

@@ -73,7 +73,9 @@ static const dl_parameter claim_rows[] = {
     TEXT(dl_paper_claim, what, "what", NULL, "what was published"),
     TEXT(dl_paper_claim, where, "where", NULL, "its place in the paper"),
     TEXT(dl_paper_claim, published, "published", NULL,
-         "the number as it is printed, with its digits"),
+         "the number as it is printed, with its digits; or the paper's words, beside `criterion`"),
+    TEXT(dl_paper_claim, criterion, "criterion", "",
+         "number, not the paper's, that its words are judged by with `rule`: as said, or not"),
     TEXT(dl_paper_claim, unit, "unit", "", "of the number"),
     TEXT(dl_paper_claim, computed, "computed", NULL,
          "what it is compared with: OBSERVABLE.COLUMN (driftlab list observables) or a quantity"),
@@ -88,7 +90,8 @@ static const dl_parameter claim_rows[] = {
      .unit = "",
      .words = rule_words,
      .fallback = "equal",
-     .doc = "the computed number agrees where it is this, compared with the published one"},
+     .doc = "the computed number agrees where it is this, compared with the published one, or the "
+            "criterion"},
     REAL(dl_paper_claim, digit, "digit", "as published", 0, "0",
          "unit of the last digit, which the tolerance is half of; 0: as the number is written"),
     REAL(dl_paper_claim, about, "about", "", 0, "0",
@@ -114,7 +117,7 @@ static const dl_parameter claim_rows[] = {
      .minimum = 0,
      .maximum = 1e12,
      .fallback = "0",
-     .doc = "over which radiation takes energy; for layers, particles in each"},
+     .doc = "over which radiation takes energy; for layer-*, particles in each"},
     REAL(dl_paper_claim, rate, "rate", "1/time", -DBL_MAX, "0", "of a rotation, TR299 (3.1)"),
     REAL(dl_paper_claim, perturbation, "perturbation", "velocity", 0, "0",
          "of mass 2000 in TR299 (3.1)"),
@@ -128,7 +131,7 @@ static const char *const colour_words[] = {[DL_COLOUR_MASS] = "mass",
                                            [DL_COLOUR_STATE] = "state",
                                            [DL_COLOUR_NONE] = "none",
                                            NULL};
-static const char *const window_words[] = {"all", "system", NULL};
+static const char *const window_words[] = {"all", "system", "body", NULL};
 
 static const dl_parameter picture_rows[] = {
     TEXT(dl_paper_picture, part, "part", NULL, "heading under which it stands"),
@@ -148,7 +151,9 @@ static const dl_parameter picture_rows[] = {
      .unit = "",
      .words = window_words,
      .fallback = "all",
-     .doc = "all particles, or the system without what has escaped"},
+     .doc =
+         "all particles; the system without what has escaped; or the heaviest group of particles, "
+         "with some room"},
     FLAG(dl_paper_picture, velocities, "velocities", "arrows"),
     FLAG(dl_paper_picture, equal_size, "equal_size", "circles of one size"),
     TEXT(dl_paper_picture, curve, "curve", "",

@@ -53,6 +53,7 @@ static dl_status attempt(const dl_scene *scene, watch *w, double factor, dl_erro
         y_all[half + c * n] *= factor;
     w->turned = w->reached = false;
     dl_run_options_default(&how);
+    how.sample = scene->step; /* a turn between two samples would not be seen */
     how.on_sample = look;
     how.context = w;
     dl_status status = dl_scene_restart(scene, y_all, &changed, error);
@@ -72,7 +73,7 @@ static dl_status attempt(const dl_scene *scene, watch *w, double factor, dl_erro
 }
 
 static dl_status find_speed(const dl_scene *scene, bool liquid, double *speed, dl_error *error) {
-    static const double precision = 1e-3, most = 4;
+    static const double precision = 1e-4, most = 4;
     watch w = {.scene = scene, .link = dl_escape_link(scene), .liquid = liquid};
     const double start = hypot(scene->velocity[0], scene->velocity[scene->particles]);
     double low = 0, high = 0.25;

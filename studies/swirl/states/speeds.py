@@ -3,7 +3,7 @@
 
 Runs the scenes of this folder (driftlab run, every step kept) with other speeds of P1: upwards from
 half the printed one in steps of a hundredth of it until the criterion is met, then by bisection to
-0.1. The criteria:
+0.01. The criteria:
 
     gas      P1 is farther than D from P2 and from P3 at some step
     swap     liquid: |P1 P4| > |P2 P3| at some step, before which their ratio has never fallen: the
@@ -82,7 +82,7 @@ class Experiment:
             low, high = high, high + step
             if high > 2 * self.printed:
                 return float("nan")
-        while high - low > 0.1:
+        while high - low > 0.01:
             middle = (low + high) / 2
             low, high = (low, middle) if self.meets(criterion, middle) else (middle, high)
         return high
