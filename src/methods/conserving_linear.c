@@ -182,7 +182,7 @@ static int set_preconditioner(N_Vector u, N_Vector u_scale, N_Vector f, N_Vector
     solver->is_factorised = true;
     dl_model_discrete_diagonal(model, solver->block);
     for (size_t k = 0; k < model->moving; k++) {
-        double *const block = solver->block + k * size * size, a[3][3];
+        double *const block = solver->block + k * size * size, a[3][3] = {{0}};
         for (size_t e = 0; e < size * size; e++)
             a[e / size][e % size] = (e / size == e % size) - factor * block[e];
         const bool regular = invert(size, a);

@@ -43,7 +43,7 @@ static bool invert(int rows, const double *m, double *inverse) {
             const int r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
             inverse[3 * c + r] = m[3 * r1 + c1] * m[3 * r2 + c2] - m[3 * r1 + c2] * m[3 * r2 + c1];
         }
-    for (int c = 0; c < 3; c++)
+    for (size_t c = 0; c < 3; c++)
         determinant += m[c] * inverse[3 * c];
     for (int k = 0; k < 9; k++)
         inverse[k] /= determinant;
