@@ -208,6 +208,27 @@ static void dt_is_the_option_step(void **state) {
     json_decref(b);
 }
 
+/* Mirrors act at the ends of steps: a warning where a method chooses those. */
+static void mirrors_and_chosen_steps_are_warned_of(void **state) {
+    (void)state;
+    static const char scene[] = DL_STUDIES "/drop/settled.yaml";
+    static const struct {
+        const char *options;
+        bool warned;
+    } runs[] = {{"--method gsl-rk8pd", true},
+                {"--method cvode-adams", true},
+                {"--method gsl-rk8pd --dt 1e-5", false},
+                {"--method leapfrog", false}};
+    for (size_t k = 0; k < sizeof runs / sizeof *runs; k++) {
+        char line[256];
+        snprintf(line, sizeof line, "run %s %s --t-end 1e-4", scene, runs[k].options);
+        const outcome *o = driftlab(line);
+        assert_int_equal(o->exit, 0);
+        assert_int_equal(strstr(o->err, "the rule mirror act at the ends of steps") != NULL,
+                         runs[k].warned);
+    }
+}
+
 static void failed_run_is_told_twice(void **state) {
     (void)state;
     json_t *root =
@@ -302,11 +323,17 @@ static void signal_stops_cleanly(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(help_everywhere),          cmocka_unit_test(lists_every_method),
-        cmocka_unit_test(bad_input_writes_nothing), cmocka_unit_test(json_is_the_summary),
-        cmocka_unit_test(table_for_people),         cmocka_unit_test(dt_is_the_option_step),
-        cmocka_unit_test(failed_run_is_told_twice), cmocka_unit_test(start_goes_on),
-        cmocka_unit_test(writing_that_fails),       cmocka_unit_test(signal_stops_cleanly),
+        cmocka_unit_test(help_everywhere),
+        cmocka_unit_test(lists_every_method),
+        cmocka_unit_test(bad_input_writes_nothing),
+        cmocka_unit_test(json_is_the_summary),
+        cmocka_unit_test(table_for_people),
+        cmocka_unit_test(dt_is_the_option_step),
+        cmocka_unit_test(mirrors_and_chosen_steps_are_warned_of),
+        cmocka_unit_test(failed_run_is_told_twice),
+        cmocka_unit_test(start_goes_on),
+        cmocka_unit_test(writing_that_fails),
+        cmocka_unit_test(signal_stops_cleanly),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

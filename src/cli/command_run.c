@@ -130,6 +130,19 @@ static void name_option(const char *key, const char *option, dl_error *error) {
     dl_fail(error, DL_INPUT, "%s%s", option, text + length);
 }
 
+/* Where a method chooses its steps, and mirrors act at their ends, what is hit is a matter of
+ * chance. */
+static void warn_of_mirrors(const job *work) {
+    const dl_parameter *const step = dl_parameter_find(work->row->options, "step");
+    const bool fixed =
+        step && *(const double *)(const void *)((const char *)work->options + step->offset) > 0;
+    if (work->scene->walls.present && work->scene->walls.rule == DL_MIRROR && !fixed)
+        cli_complain(
+            "warning: walls by the rule mirror act at the ends of steps, which this method "
+            "chooses: the hits depend on them, and many short steps may be taken; the rule "
+            "located does neither");
+}
+
 static dl_status integrate(job *work, const run_values *values, dl_run_summary *summary,
                            dl_error *error) {
     dl_run_options how;
@@ -148,6 +161,7 @@ static dl_status integrate(job *work, const run_values *values, dl_run_summary *
     const bool progress = cli_shows_progress();
     if (progress)
         how.on_progress = show_progress;
+    warn_of_mirrors(work);
     dl_status status = dl_run(work->scene, work->row, work->options, &how, summary, NULL, error);
     if (status == DL_INPUT && values->t_end > 0)
         name_option("end: ", "--t-end: ", error);
