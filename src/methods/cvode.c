@@ -67,8 +67,8 @@ _Static_assert((int)cvode_memory == (int)arkode_memory && (int)cvode_start == (i
 /* --- the method --------------------------------------------------------------------------------
  */
 
-/* A restart just before a pair crosses a hard cutoff begins with a step for the force on this side of
- * it: 7 attempts, CVODE's default, may not bring that down far enough. */
+/* A restart just before a pair crosses a hard cutoff begins with a step for the force on this side
+ * of it: 7 attempts, CVODE's default, may not bring that down far enough. */
 enum { most_attempts = 20 };
 
 static int set_up(cvode *data, const cvode_variant *variant, const cvode_options *chosen) {

@@ -143,20 +143,55 @@ dl_status dl_located_take_derivatives(dl_located *located, int *degree, dl_error
 /* --- a step -------------------------------------------------------------------------------------
  */
 
+/* How often coordinate u goes from wall to wall in a time step, at the speed that it has. */
+static double crossings_of_box(const dl_located *located, size_t u) {
+    const dl_model *const model = located->model;
+    const double width =
+        dl_wall_place(model, u, DL_HIGH_WALL) - dl_wall_place(model, u, DL_LOW_WALL);
+    return located->step * fabs(located->method->y[model->unknowns + u]) / width;
+}
+
+/* Why there are so many events: particles that are that fast, bounces that become ever shorter, or
+ * bounces that are short. */
+static void explain_events(const dl_located *located, char *why, size_t size) {
+    const dl_walls *const walls = &located->model->scene->walls;
+    const double t = located->method->t;
+    double all = 0;
+    size_t fastest = 0;
+    for (size_t u = 0; u < located->model->unknowns && located->model->locates_hits; u++) {
+        all += crossings_of_box(located, u);
+        if (crossings_of_box(located, u) > crossings_of_box(located, fastest))
+            fastest = u;
+    }
+    if (!located->model->locates_hits)
+        snprintf(why, size, "a pair does not leave its breakpoint");
+    else if (!(all < (double)most_events / 4))
+        snprintf(why, size,
+                 "at a speed of %.3g a particle goes from wall to wall %.3g times in a step, which "
+                 "is too long for it",
+                 fabs(located->method->y[located->model->unknowns + fastest]),
+                 crossings_of_box(located, fastest));
+    else if (t - located->halfway < (located->halfway - located->window) / 2)
+        snprintf(why, size,
+                 "they accumulate without coming to rest (walls: rest is %g, damping is %g)",
+                 walls->rest, walls->damping);
+    else
+        snprintf(why, size, "they are %.3g apart, and the step is too long for that",
+                 (t - located->window) / (double)most_events);
+}
+
 static dl_status count_event(dl_located *located, dl_error *error) {
     const double t = located->method->t;
     if (!(t < located->window + located->step)) {
         located->window = t;
         located->events = 0;
     }
-    if (++located->events <= most_events)
+    if (++located->events == most_events / 2)
+        located->halfway = t;
+    if (located->events <= most_events)
         return DL_OK;
-    const dl_walls *const walls = &located->model->scene->walls;
-    char why[120] = "a pair does not leave its breakpoint";
-    if (located->model->locates_hits)
-        snprintf(why, sizeof why,
-                 "they accumulate without coming to rest (walls: rest is %g, damping is %g)",
-                 walls->rest, walls->damping);
+    char why[200];
+    explain_events(located, why, sizeof why);
     return dl_fail(error, DL_STEP_FAILURE,
                    "more than %lu wall hits, contacts and crossings in one time step, from "
                    "t = %.17g to %.17g: %s",

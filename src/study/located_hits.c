@@ -219,9 +219,10 @@ dl_status dl_located_go_to_hit(dl_located *located, dl_event *hit, dl_error *err
     if (next - start <= least) {
         if (leaves_at_once(located, hit))
             return hit_at(located, hit, start, error);
-        /* a path that begins on the wall and dips by less than the method's error: its own state a
-         * little later shows which way it went */
-        next = fmin(among.high.t, start + fmax((among.high.t - start) / 64, 2 * least));
+        /* A flight that t hardly resolves; or a path that begins on the wall and dips by less than
+         * the method's error: its own state a little later shows which way it went. */
+        const double part = among.is_bracket ? 0 : (among.high.t - start) / 64;
+        next = fmin(among.high.t, start + fmax(part, 2 * least));
     }
     const double by_path = next;
     sight seen = among.high;

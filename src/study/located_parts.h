@@ -42,6 +42,7 @@ struct dl_located {
     double *scratch;      /* [2 n] */
     signed char *touched; /* [n]: the dl_side at which an event has found the coordinate */
     double window;        /* start of the time step in which `events` are counted */
+    double halfway;       /* when half as many as are allowed had been counted */
     unsigned long events;
     unsigned long pauses;      /* in a row, without an event between */
     unsigned long since_start; /* steps since t0 */
