@@ -24,7 +24,7 @@
  * method's: what decides is the velocity that it has at the hit, under the acceleration there,
  * against `rest` times its step (the scene's where it chooses its steps). A ball dropped from 1 on
  * a floor with d = 0.9 makes 11 with a step of 0.01 and 13 with one of 1e-4; multistep methods,
- * which start each flight anew at order 1 and follow those smaller than atol to atol alone, make 9
+ * which start each flight anew at order 1 and follow those smaller than atol to atol alone, make 8
  * to 11, the more the smaller atol is.
  *
  * What rests is released at the time at which the net normal force
