@@ -321,6 +321,42 @@ static void signal_stops_cleanly(void **state) {
     dl_scene_free(scene);
 }
 
+/* Before there is a run: particles are sought places for, for ever. */
+static void signal_ends_reading(void **state) {
+    (void)state;
+    static const char *const signals[] = {"INT", "TERM"};
+    for (size_t i = 0; i < 2; i++) {
+        char command[1000], text[4000];
+        snprintf(
+            command, sizeof command,
+            "cd %s && printf 'name: dense\\ndimension: 2\\nparticles: [{random: {count: 1000, "
+            "in: [[0, 1], [0, 1]], minimum_distance: 1, tries: 1000000000}}]\\n"
+            "time: {step: 0.1, end: 1}\\n' >dense.yaml && { %s run dense.yaml --method leapfrog "
+            ">.out 2>.err & sleep 0.3; kill -%s $!; wait $!; }",
+            folder, DL_PROGRAM, signals[i]);
+        assert_int_equal(WEXITSTATUS(system(command)), 130);
+        read_file(".err", text, sizeof text);
+        assert_string_equal(text, "driftlab: interrupted\n");
+    }
+}
+
+/* Every command has the same words for a file that was cut off. */
+static void damaged_files_are_told_alike(void **state) {
+    (void)state;
+    static const char *const commands[] = {"run " DROP " --method leapfrog --start cut.h5",
+                                           "observe cut.h5", "report cut.h5"};
+    char command[1000];
+    assert_int_equal(driftlab("run " DROP " --method leapfrog --t-end 1e-3 --out whole.h5")->exit,
+                     0);
+    snprintf(command, sizeof command, "cd %s && head -c 3000 whole.h5 >cut.h5", folder);
+    assert_int_equal(system(command), 0);
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        const outcome *o = driftlab(commands[i]);
+        if (o->exit != 2 || !strstr(o->err, "cut.h5: found a damaged or truncated HDF5 file"))
+            fail_msg("%s: exit %d, \"%s\"", commands[i], o->exit, o->err);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(help_everywhere),
@@ -334,6 +370,8 @@ int main(void) {
         cmocka_unit_test(start_goes_on),
         cmocka_unit_test(writing_that_fails),
         cmocka_unit_test(signal_stops_cleanly),
+        cmocka_unit_test(signal_ends_reading),
+        cmocka_unit_test(damaged_files_are_told_alike),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -216,9 +216,9 @@ static void bad_files_are_refused(void **state) {
     unlink(path);
     assert_refused(DL_IO, "No such file");
     write_bytes("name: study\n", 12);
-    assert_refused(DL_INPUT, "not HDF5");
+    assert_refused(DL_INPUT, "no HDF5 file");
     write_bytes("", 0);
-    assert_refused(DL_INPUT, "not HDF5");
+    assert_refused(DL_INPUT, "no HDF5 file");
     dl_results *made = make_results();
     assert_int_equal(dl_results_write(made, path, NULL), DL_OK);
     assert_int_equal(truncate(path, 20000), 0);

@@ -97,6 +97,7 @@ static cli_exit dispatch(int count, char **words) {
 int main(int count, char **words) {
     /* A limit on file size is then a failing write, with a message, like a full disk. */
     signal(SIGXFSZ, SIG_IGN);
+    cli_end_on_signals();
     const cli_exit outcome = dispatch(count, words);
     if (fflush(stdout) || ferror(stdout)) {
         cli_complain("standard output cannot be written");

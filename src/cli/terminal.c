@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "cli/command.h"
+
 static volatile int interrupted;
 
 static void on_signal(int number) {
@@ -12,12 +14,28 @@ static void on_signal(int number) {
     interrupted = 1;
 }
 
-const volatile int *cli_catch_signals(void) {
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
+static void catch_with(void (*handler)(int), int flags) {
+    struct sigaction action = {.sa_handler = handler, .sa_flags = flags};
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+}
+
+const volatile int *cli_catch_signals(void) {
+    catch_with(on_signal, (int)SA_RESETHAND);
     return &interrupted;
+}
+
+static void end_interrupted(int number) {
+    static const char message[] = "driftlab: interrupted\n";
+    (void)number;
+    if (write(STDERR_FILENO, message, sizeof message - 1) < 0)
+        _exit(CLI_INTERRUPTED);
+    _exit(CLI_INTERRUPTED);
+}
+
+void cli_end_on_signals(void) {
+    catch_with(end_interrupted, 0);
 }
 
 bool cli_shows_progress(void) {

@@ -4,6 +4,10 @@
 
 #include <stdbool.h>
 
+/* From now on SIGINT and SIGTERM end the program at once, with a message and the status of what was
+ * interrupted: reading a scene can take long, too. */
+void cli_end_on_signals(void);
+
 /* From now on SIGINT and SIGTERM set the flag returned instead of ending the program; the second
  * one of a kind ends it, for a step that takes too long to wait for. */
 const volatile int *cli_catch_signals(void);

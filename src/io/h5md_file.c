@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "driftlab/trajectory.h"
+
 dl_status dl_h5md_refuse(const dl_h5md_file *r, dl_error *error, const char *found,
                          const char *expected) {
     return dl_fail(error, DL_INPUT, "%s: found %s, expected %s", r->path, found, expected);
@@ -20,7 +22,10 @@ dl_status dl_h5md_open(dl_h5md_file *r, dl_error *error) {
     fclose(readable);
     r->file = H5Fopen(r->path, H5F_ACC_RDONLY, H5P_DEFAULT);
     if (r->file < 0)
-        return dl_h5md_refuse(r, error, "no HDF5 file", "an H5MD file");
+        return dl_h5md_refuse(r, error,
+                              dl_file_is_hdf5(r->path) ? "a damaged or truncated HDF5 file"
+                                                       : "no HDF5 file",
+                              "an H5MD file");
     if (H5Lexists(r->file, "h5md", H5P_DEFAULT) <= 0 ||
         H5Lexists(r->file, "particles", H5P_DEFAULT) <= 0)
         return dl_h5md_refuse(r, error, "an HDF5 file without /h5md or /particles", "an H5MD file");

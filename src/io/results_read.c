@@ -233,9 +233,7 @@ static dl_status open_file(const char *path, hid_t *file, dl_error *error) {
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     if (H5Fis_hdf5(path) <= 0)
         return dl_fail(error, DL_INPUT,
-                       "%s: found a file that is not HDF5, expected a results file of driftlab "
-                       "study",
-                       path);
+                       "%s: found no HDF5 file, expected a results file of driftlab study", path);
     *file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
     if (*file < 0)
         return dl_fail(error, DL_INPUT,

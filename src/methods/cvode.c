@@ -67,6 +67,10 @@ _Static_assert((int)cvode_memory == (int)arkode_memory && (int)cvode_start == (i
 /* --- the method --------------------------------------------------------------------------------
  */
 
+/* A restart just before a pair crosses a hard cutoff begins with a step for the force on this side
+ * of it: 7 attempts, CVODE's default, may not bring that down far enough. */
+enum { most_attempts = 20 };
+
 static int set_up(cvode *data, const cvode_variant *variant, const cvode_options *chosen) {
     void *const memory = data->memory;
     dl_implicit_options solver = chosen->implicit;
@@ -80,6 +84,8 @@ static int set_up(cvode *data, const cvode_variant *variant, const cvode_options
         flag = CVodeSStolerances(memory, chosen->rtol, chosen->atol);
     if (!flag)
         flag = CVodeSetMaxOrd(memory, (int)chosen->max_order);
+    if (!flag)
+        flag = CVodeSetMaxErrTestFails(memory, most_attempts);
     return flag ? flag : dl_implicit_attach(&data->implicit, &calls, memory, data->state, &solver);
 }
 

@@ -143,20 +143,55 @@ dl_status dl_located_take_derivatives(dl_located *located, int *degree, dl_error
 /* --- a step -------------------------------------------------------------------------------------
  */
 
+/* How often coordinate u goes from wall to wall in a time step, at the speed that it has. */
+static double crossings_of_box(const dl_located *located, size_t u) {
+    const dl_model *const model = located->model;
+    const double width =
+        dl_wall_place(model, u, DL_HIGH_WALL) - dl_wall_place(model, u, DL_LOW_WALL);
+    return located->step * fabs(located->method->y[model->unknowns + u]) / width;
+}
+
+/* Why there are so many events: particles that are that fast, bounces that become ever shorter, or
+ * bounces that are short. */
+static void explain_events(const dl_located *located, char *why, size_t size) {
+    const dl_walls *const walls = &located->model->scene->walls;
+    const double t = located->method->t;
+    double all = 0;
+    size_t fastest = 0;
+    for (size_t u = 0; u < located->model->unknowns && located->model->locates_hits; u++) {
+        all += crossings_of_box(located, u);
+        if (crossings_of_box(located, u) > crossings_of_box(located, fastest))
+            fastest = u;
+    }
+    if (!located->model->locates_hits)
+        snprintf(why, size, "a pair does not leave its breakpoint");
+    else if (!(all < (double)most_events / 4))
+        snprintf(why, size,
+                 "at a speed of %.3g a particle goes from wall to wall %.3g times in a step, which "
+                 "is too long for it",
+                 fabs(located->method->y[located->model->unknowns + fastest]),
+                 crossings_of_box(located, fastest));
+    else if (t - located->halfway < (located->halfway - located->window) / 2)
+        snprintf(why, size,
+                 "they accumulate without coming to rest (walls: rest is %g, damping is %g)",
+                 walls->rest, walls->damping);
+    else
+        snprintf(why, size, "they are %.3g apart, and the step is too long for that",
+                 (t - located->window) / (double)most_events);
+}
+
 static dl_status count_event(dl_located *located, dl_error *error) {
     const double t = located->method->t;
     if (!(t < located->window + located->step)) {
         located->window = t;
         located->events = 0;
     }
-    if (++located->events <= most_events)
+    if (++located->events == most_events / 2)
+        located->halfway = t;
+    if (located->events <= most_events)
         return DL_OK;
-    const dl_walls *const walls = &located->model->scene->walls;
-    char why[120] = "a pair does not leave its breakpoint";
-    if (located->model->locates_hits)
-        snprintf(why, sizeof why,
-                 "they accumulate without coming to rest (walls: rest is %g, damping is %g)",
-                 walls->rest, walls->damping);
+    char why[200];
+    explain_events(located, why, sizeof why);
     return dl_fail(error, DL_STEP_FAILURE,
                    "more than %lu wall hits, contacts and crossings in one time step, from "
                    "t = %.17g to %.17g: %s",
@@ -217,26 +252,47 @@ static dl_status find_first(dl_located *located, suspicion suspected, dl_event *
 }
 
 /* Events less apart than the paths' error: of one that is found to have come before, so many times
- * in a row. */
-enum { most_overtaken = 8 };
+ * in a row; and pauses without an event. Both end but in steps that are too long by far. */
+enum { most_overtaken = 64, most_pauses = 100 };
+
+static dl_status fail_to_locate(const dl_located *located, dl_error *error) {
+    return dl_fail(error, DL_STEP_FAILURE,
+                   "the hits of the step from t = %.17g cannot be located: the method's own states "
+                   "at times within it follow no path to the wall; its steps are too long here",
+                   located->t0);
+}
+
+static bool is_overtaken(const dl_located *located, dl_event *event) {
+    return (located->model->locates_crossings && dl_located_has_crossed_before(located, event)) ||
+           dl_located_has_hit_before(located, event);
+}
 
 static dl_status go_to(dl_located *located, dl_event *event, dl_error *error) {
-    for (int i = 0; i < most_overtaken; i++) {
-        const dl_status status = event->kind == DL_HIT
-                                     ? dl_located_go_to_hit(located, event, error)
-                                     : dl_located_go_to_crossing(located, event, error);
-        if (status || !located->model->locates_crossings || event->t == located->t0 ||
-            !(dl_located_has_crossed_before(located, event) ||
-              dl_located_has_hit_before(located, event)))
+    dl_status status = DL_OK;
+    for (int i = 0; i < most_overtaken && !status; i++) {
+        if (event->kind == DL_HIT && !(status = current_acceleration(located, error)))
+            status = dl_located_go_to_hit(located, event, error);
+        else if (event->kind == DL_CROSSING)
+            status = dl_located_go_to_crossing(located, event, error);
+        if (status || event->t == located->t0 || !is_overtaken(located, event))
             return status;
     }
-    return DL_OK;
+    return status ? status : fail_to_locate(located, error);
+}
+
+static dl_status pause(dl_located *located, dl_error *error) {
+    located->a0_is_current = false;
+    return ++located->pauses > most_pauses ? fail_to_locate(located, error)
+                                           : dl_method_jumped(located->method, error);
 }
 
 static dl_status happen(dl_located *located, const dl_event *event, bool released,
                         dl_error *error) {
-    const dl_status status = count_event(located, error);
     located->h_before = 0;
+    if (event->kind == DL_PAUSE && !released)
+        return pause(located, error);
+    const dl_status status = count_event(located, error);
+    located->pauses = 0;
     if (status)
         return status;
     if (released)
@@ -248,6 +304,7 @@ static dl_status happen(dl_located *located, const dl_event *event, bool release
 /* Of a step in which nothing happened: its end is the next one's start. */
 static void keep_accelerations(dl_located *located) {
     dl_contacts_last(&located->contacts);
+    located->pauses = 0;
     located->h_before = located->a0_is_current ? located->method->t - located->t0 : 0;
     double *const swap = located->a_before;
     located->a_before = located->a0;
@@ -267,6 +324,7 @@ static dl_status examine(dl_located *located, bool *happened, dl_error *error) {
     if (!suspected.hits && !suspected.crossings && located->contacts.count == 0) {
         located->a0_is_current = false;
         located->h_before = 0;
+        located->pauses = 0;
         return DL_OK;
     }
     dl_event event = {.kind = DL_NO_EVENT, .t = method->t};
@@ -281,6 +339,10 @@ static dl_status examine(dl_located *located, bool *happened, dl_error *error) {
     }
     if (!status)
         status = dl_located_find_release(located, event.t, &released, error);
+    if (!status && released && dl_located_has_hit_before(located, &event)) {
+        released = false;
+        status = go_to(located, &event, error);
+    }
     if (status)
         return status;
     *happened = event.kind != DL_NO_EVENT || released;

@@ -7,10 +7,15 @@
  * step's ends otherwise. The first time at which one leaves is found to roundoff, however often it
  * comes back within the step. The state there is the dense output's; a method without one goes back
  * to the step's start and takes a step of its own that ends at the hit, whose time is improved
- * until that state is on the wall. There the coordinate is put exactly on the wall, the velocity is
- * reset as in the rule `mirror` (normal component times -(1 - d), the others times 1 - d), the
- * ledger books all of it, and the method starts anew; a fixed step is completed by a shorter one,
- * so that grid and sample times stay.
+ * until that state is on the wall: to roundoff, or to what t resolves. There the coordinate is put
+ * exactly on the wall, the velocity is reset as in the rule `mirror` (normal component times
+ * -(1 - d), the others times 1 - d), which the ledger books, and the method starts anew; a fixed
+ * step is completed by a shorter one, so that grid and sample times stay.
+ *
+ * A step that is too long for its forces has states at times within it that follow no such path.
+ * What counts is those states: a coordinate that they do not take to the wall does not hit it,
+ * none is ever left beyond it, and the ledger books nothing but what hits do to velocities. Where
+ * no state on the wall can be found the method starts anew from the last one before it.
  *
  * Resting contact. Under a force that presses to the wall, flights last 2 v/|a| and shrink by 1 - d
  * from bounce to bounce: they accumulate in finite time. A flight shorter than `rest` time steps,
@@ -19,7 +24,7 @@
  * method's: what decides is the velocity that it has at the hit, under the acceleration there,
  * against `rest` times its step (the scene's where it chooses its steps). A ball dropped from 1 on
  * a floor with d = 0.9 makes 11 with a step of 0.01 and 13 with one of 1e-4; multistep methods,
- * which start each flight anew at order 1 and follow those smaller than atol to atol alone, make 9
+ * which start each flight anew at order 1 and follow those smaller than atol to atol alone, make 8
  * to 11, the more the smaller atol is.
  *
  * What rests is released at the time at which the net normal force

@@ -14,40 +14,65 @@ static bool is_last_flight(const dl_located *located, size_t u, dl_side side, do
            (walls->damping > 0 && lasts <= walls->rest * located->step);
 }
 
-/* A coordinate on or beyond the wall is put on it and, where it is on its way out, bounces. The
- * target of an event is where the wall is but for roundoff, on whichever side. */
-static void touch(dl_located *located, size_t u, dl_side side, bool gone_to) {
-    dl_method *const method = located->method;
-    const size_t n = method->n, moving = located->model->moving;
-    double *const v = method->y + n;
-    const double d = dl_located_distance(located->model, method->y, u, side);
-    const double rate = dl_wall_away(side, v[u]);
-    if (!(d <= 0) && !gone_to)
-        return;
-    if (rate >= 0 && (d > 0 || (d == 0 && rate > 0)))
-        return; /* it turns back before the wall, or has just left it */
-    method->y[u] = dl_wall_place(located->model, u, side);
-    located->touched[u] = (signed char)side;
-    if (rate > 0 && gone_to)
-        v[u] = -v[u]; /* a grazing hit, seen after its turn */
-    if (rate < 0 || (rate > 0 && gone_to)) {
-        dl_wall_rebound(located->model, v, u % moving, u / moving);
-        located->counts.hits++;
-    }
-}
-
 static bool is_target(const dl_event *target, size_t u) {
     return target->kind == DL_HIT && target->which == u;
 }
 
+/* Whether a coordinate is on the wall, or beyond, and hits it or stays there. The target of an
+ * event is where the wall is but for roundoff, on whichever side. */
+static bool touches(const dl_located *located, size_t u, dl_side side, bool gone_to) {
+    const double *const y = located->method->y;
+    const double d = dl_located_distance(located->model, y, u, side);
+    const double rate = dl_wall_away(side, y[located->method->n + u]);
+    if (rate >= 0 && (d > 0 || (d == 0 && rate > 0 && !gone_to)))
+        return false; /* it turns back before the wall, or has just left it */
+    return d <= 0 || gone_to;
+}
+
+/* What of a coordinate's distance from its wall is booked with the hit, so that it does not add up
+ * over many: roundoff, of t as well, but no more than a particle could go in a step that makes
+ * sense. */
+static double booked_distance(const dl_located *located, size_t u, dl_side side) {
+    const dl_method *const method = located->method;
+    const double roundoff = dl_located_roundoff(located, u, side);
+    return fmin(dl_located_slack(located, u, side, method->y[method->n + u]), 0x1p16 * roundoff);
+}
+
+/* All of them are touched. What is farther from its wall is put on it before anything is booked:
+ * that is an error of the integration, and no wall has taken it. */
 static void touch_all(dl_located *located, const dl_event *target) {
     const dl_model *const model = located->model;
+    double *const q = located->method->y;
     memset(located->touched, 0, model->unknowns * sizeof *located->touched);
     for (size_t u = 0; u < model->unknowns; u++)
-        for (size_t s = 0; s < 2; s++)
-            if (!dl_contacts_hold(&located->contacts, u))
-                touch(located, u, dl_located_sides[s],
-                      is_target(target, u) && target->side == dl_located_sides[s]);
+        for (size_t s = 0; s < 2 && !dl_contacts_hold(&located->contacts, u); s++) {
+            const dl_side side = dl_located_sides[s];
+            if (!touches(located, u, side, is_target(target, u) && target->side == side))
+                continue;
+            located->touched[u] = (signed char)side;
+            if (fabs(dl_located_distance(model, q, u, side)) > booked_distance(located, u, side))
+                q[u] = dl_wall_place(model, u, side);
+        }
+}
+
+/* All that touch are put on their walls; what is on its way out turns round, and the target also
+ * where it has turned already. */
+static void bounce_all(dl_located *located, const dl_event *target) {
+    const dl_method *const method = located->method;
+    const size_t n = method->n, moving = located->model->moving;
+    double *const v = method->y + n;
+    for (size_t u = 0; u < n; u++) {
+        const dl_side side = (dl_side)located->touched[u];
+        const double rate = dl_wall_away(side, v[u]);
+        if (side != DL_NO_WALL)
+            method->y[u] = dl_wall_place(located->model, u, side);
+        if (side == DL_NO_WALL || rate == 0 || (rate > 0 && !is_target(target, u)))
+            continue;
+        if (rate > 0)
+            v[u] = -v[u];
+        dl_wall_rebound(located->model, v, u % moving, u / moving);
+        located->counts.hits++;
+    }
 }
 
 /* Rests, or flies: a0 is the acceleration there. `forced`: the path leaves at once although neither
@@ -67,7 +92,7 @@ static void rest_or_fly(dl_located *located, size_t u, bool forced) {
 
 static dl_status collide(dl_located *located, const dl_event *target, dl_error *error) {
     dl_method *const method = located->method;
-    touch_all(located, target);
+    bounce_all(located, target);
     located->a0_is_current = false;
     const dl_status status =
         dl_contacts_acceleration(&located->contacts, method->y, located->a0, error);
@@ -81,6 +106,7 @@ static dl_status collide(dl_located *located, const dl_event *target, dl_error *
 }
 
 dl_status dl_located_collide(dl_located *located, const dl_event *target, dl_error *error) {
+    touch_all(located, target);
     if (!located->observer)
         return collide(located, target, error);
     const unsigned long contacts = located->counts.contacts;

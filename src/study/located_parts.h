@@ -12,7 +12,9 @@
 #include "study/located.h"
 #include "study/path.h"
 
-typedef enum dl_event_kind { DL_NO_EVENT, DL_HIT, DL_CROSSING } dl_event_kind;
+/* A pause: nothing happens, but the method's own states left the step's paths, and it starts anew.
+ */
+typedef enum dl_event_kind { DL_NO_EVENT, DL_PAUSE, DL_HIT, DL_CROSSING } dl_event_kind;
 
 typedef struct dl_event {
     dl_event_kind kind;
@@ -40,7 +42,9 @@ struct dl_located {
     double *scratch;      /* [2 n] */
     signed char *touched; /* [n]: the dl_side at which an event has found the coordinate */
     double window;        /* start of the time step in which `events` are counted */
+    double halfway;       /* when half as many as are allowed had been counted */
     unsigned long events;
+    unsigned long pauses;      /* in a row, without an event between */
     unsigned long since_start; /* steps since t0 */
     dl_located_counts counts;
 };
@@ -82,6 +86,15 @@ static inline double dl_located_roundoff(const dl_located *located, size_t u, dl
             fabs(located->method->y[u]));
 }
 
+/* Nearer than this it is on its wall at the method's state, where it has that rate: roundoff, and
+ * what t resolves. */
+static inline double dl_located_slack(const dl_located *located, size_t u, dl_side side,
+                                      double rate) {
+    return dl_located_roundoff(located, u, side) +
+           fabs(rate) *
+               fmax(dl_located_resolution(located->method->t), DBL_EPSILON * located->step);
+}
+
 static inline double dl_located_distance(const dl_model *model, const double *q, size_t u,
                                          dl_side side) {
     return dl_wall_away(side, q[u] - dl_wall_place(model, u, side));
@@ -94,12 +107,14 @@ bool dl_located_any_is_near(const dl_located *located, double h);
  * before that; a0 and a1 are current. `degree` is that of the derivatives. */
 void dl_located_find_hit(dl_located *located, int degree, dl_event *event);
 
-/* Goes to the hit, and improves its time by Newton's method until the method's own state is on the
- * wall, or gets no nearer: a grazing one, whose time is not determined better. */
+/* Goes to the hit, whose time is improved by Newton's method, kept within a bracket, until the
+ * method's own state is on the wall, to roundoff or to what t resolves. The state at the method's t
+ * is the one that is known to come after. Where the method's states do not reach the wall, or jump
+ * over it, the hit becomes a pause, at a time at which the coordinate is inside. */
 dl_status dl_located_go_to_hit(dl_located *located, dl_event *hit, dl_error *error);
 
-/* Whether a coordinate is beyond a wall at the method's state, by more than roundoff, and on its
- * way: it has hit the wall before, which becomes *event. */
+/* Whether a coordinate is beyond a wall at the method's state, by more than roundoff: it has hit
+ * the wall before, which becomes *event. */
 bool dl_located_has_hit_before(const dl_located *located, dl_event *event);
 
 /* --- located_crossings.c ------------------------------------------------------------------------

@@ -22,8 +22,8 @@ static void elevate(dl_path *path) {
         path->b[i] = ((double)i * path->b[i - 1] + (double)(n - i) * path->b[i]) / (double)n;
 }
 
-void dl_path_taylor(dl_path *path, double h, int degree, const double *derivative,
-                    dl_path_end start) {
+double dl_path_taylor(dl_path *path, double h, int degree, const double *derivative,
+                      dl_path_end start) {
     /* Powers of u = 1 - s, then Bernstein: beta_i = sum_k C(i,k)/C(n,k) c_k, in reverse order. */
     double power[dl_path_degree + 1];
     double factor = 1;
@@ -43,10 +43,15 @@ void dl_path_taylor(dl_path *path, double h, int degree, const double *derivativ
     while (path->degree < 3)
         elevate(path);
     const double n = path->degree;
+    const double b[3] = {path->b[0], path->b[1], path->b[2]};
     path->b[0] = start.d;
     path->b[1] = start.d + h * start.rate / n;
     if (start.d == 0 && start.rate == 0 && !isnan(start.curvature))
         path->b[2] = h * h * start.curvature / (n * (n - 1));
+    double moved = 0;
+    for (int i = 0; i < 3; i++)
+        moved = fmax(moved, fabs(path->b[i] - b[i]));
+    return moved;
 }
 
 void dl_path_add_square(dl_path *sum, const dl_path *path) {

@@ -29,9 +29,9 @@ void dl_path_hermite(dl_path *path, double h, dl_path_end start, dl_path_end end
 /* The polynomial of that degree with the derivatives derivative[0 ... degree] at the end of the
  * step. A multistep method's meets the step's start but for its own error; the path is made to
  * begin at `start`, with its rate, and with its curvature (NaN: not known) where it begins on the
- * wall at rest. */
-void dl_path_taylor(dl_path *path, double h, int degree, const double *derivative,
-                    dl_path_end start);
+ * wall at rest. Returned is by how much that moves it, at most. */
+double dl_path_taylor(dl_path *path, double h, int degree, const double *derivative,
+                      dl_path_end start);
 
 /* sum += path^2; `sum` has twice the degree of `path`, or has nothing yet, degree 0 and b_0. */
 void dl_path_add_square(dl_path *sum, const dl_path *path);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "observe/initial_energy.h"
 #include "observe/observer.h"
 #include "observe/schedule.h"
 #include "observe/stopwatch.h"
@@ -300,10 +301,21 @@ static dl_status integrate(run *r, dl_error *error) {
 }
 
 /* A run that ended before its time still tells its last state, where that is one. */
-static void sample_last_state(run *r) {
-    dl_error unimportant;
-    if (r->sampled_at >= 0 && r->method->t > r->sampled_at * (1 + 1e-12))
-        (void)take_sample(r, r->method->t, &unimportant);
+static dl_status sample_last_state(run *r, dl_error *error) {
+    return r->sampled_at >= 0 && r->method->t > r->sampled_at * (1 + 1e-12)
+               ? take_sample(r, r->method->t, error)
+               : DL_OK;
+}
+
+/* A step that fails after the run has blown up, between two samples, is no fault of its own. */
+static void fail(run *r, dl_status status, const dl_error *error) {
+    dl_error blown_up = {""}, both;
+    summary_fail(r->summary, status, error);
+    if (sample_last_state(r, &blown_up) != DL_UNSTABLE || status != DL_STEP_FAILURE)
+        return;
+    dl_fail(&both, DL_UNSTABLE, "%s; then a step failed: %.*s", blown_up.message,
+            DL_MESSAGE_SIZE / 2, error->message);
+    summary_fail(r->summary, DL_UNSTABLE, &both);
 }
 
 static void summarise(run *r) {
@@ -343,10 +355,8 @@ static void run_to_end(run *r) {
         status = begin_anew(r, &error);
     if (!status)
         status = integrate(r, &error);
-    if (status) {
-        summary_fail(r->summary, status, &error);
-        sample_last_state(r);
-    }
+    if (status)
+        fail(r, status, &error);
     summarise(r);
 }
 
@@ -374,8 +384,12 @@ static dl_status create_parts(run *r, const dl_scene *scene, const dl_method_row
     if (!r->y)
         return dl_fail_memory(error, "the state of a run");
     dl_model_initial_state(r->model, r->y);
-    status = dl_method_create(row, r->model, options, r->y, &r->method, error);
-    if (!status && r->options->observe)
+    status = dl_initial_energy_check(r->model, r->y, error);
+    if (!status)
+        status = dl_method_create(row, r->model, options, r->y, &r->method, error);
+    if (status)
+        return status;
+    if (r->options->observe)
         status = dl_observer_create(scene, r->options->ledger, &r->observer, error);
     r->mirrors = r->model->has_walls && !r->model->locates_hits;
     if (!status && (r->model->locates_hits || r->model->locates_crossings))
