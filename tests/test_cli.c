@@ -134,7 +134,7 @@ static void bad_input_writes_nothing(void **state) {
         {"explain nowhere.yaml", "nowhere.yaml"},
         {"explain " DROP " --let speed=1", "the scene has no `let`"},
         {"explain " DROP " --let speed", "expected NAME=NUMBER"},
-        {"map " DROP " --over speed", "not HDF5"},
+        {"map " DROP " --over speed", "expected a results file"},
         {"map " DROP, "--over: found none"},
         {"study nowhere.yaml", "nowhere.yaml"},
     };

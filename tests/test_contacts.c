@@ -114,12 +114,43 @@ static void what_is_pulled_away_later_leaves(void **state) {
     dl_scene_free(scene);
 }
 
+/* A ball rests on a side wall beside one that bounces on it, which presses it but for the moments
+ * of its hits, and presses it no more when it rests, at t1 (1 + e)/(1 - e) with t1 = sqrt(2
+ * 0.01/9.81): from then on the repulsion along the wall alone is left. */
+static void what_bounces_beside_it_holds_a_ball(void **state) {
+    (void)state;
+    static const char text[] =
+        "name: beside\ndimension: 2\nparticles:\n"
+        "  - {at: [0, 0], gravity: false}\n  - {at: [0.01, 0.2]}\n"
+        "pair_law: [{until: 1, terms: [{coefficient: 1.0e-4, power: 2}]}]\n"
+        "gravity: [-9.81, 0]\nwalls: {x: [0, none], damping: 0.5, rule: located}\n"
+        "time: {step: 0.01, end: 0.13}\n";
+    const double rests = 3 * sqrt(0.02 / 9.81);
+    dl_scene *const scene = scene_of_text(text);
+    FOR_EACH_LOCATING_ROW(row) {
+        scene->end = 0.13;
+        finished held = run_closely(scene, row);
+        check(row, "y", held.y[2], 0, 0);
+        check(row, "releases", (double)held.summary.releases, 0, 0);
+        scene->end = 0.33;
+        finished free_again = run_closely(scene, row);
+        const double after = scene->end - rests;
+        check(row, "y", free_again.y[2], -1e-4 / 0.04 * after * after / 2, 2e-6);
+        check(row, "x", free_again.y[0], 0, 1e-15);
+        check(row, "releases", (double)free_again.summary.releases, 1, 0);
+        free(held.y);
+        free(free_again.y);
+    }
+    dl_scene_free(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_hung_on_a_wall_falls),
         cmocka_unit_test(a_cutoff_that_is_not_located_ends_a_contact_too),
         cmocka_unit_test(what_is_pressed_again_rests_again),
         cmocka_unit_test(what_is_pulled_away_later_leaves),
+        cmocka_unit_test(what_bounces_beside_it_holds_a_ball),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -312,6 +312,18 @@ static void keep_accelerations(dl_located *located) {
     located->a1 = swap;
 }
 
+/* What hits is on its wall: a roundoff beyond it, it would seem to pull at what rests there. */
+static dl_status press_at_event(dl_located *located, const dl_event *event, dl_error *error) {
+    double *const q = located->method->y + (event->kind == DL_HIT ? event->which : 0);
+    const double found = *q;
+    if (event->kind == DL_HIT)
+        *q = dl_wall_place(located->model, event->which, event->side);
+    const dl_status status =
+        dl_contacts_acceleration(&located->contacts, located->method->y, located->a1, error);
+    *q = found;
+    return status;
+}
+
 /* Looks at the step that was taken. Where something happened in it, goes there and lets it happen.
  */
 static dl_status examine(dl_located *located, bool *happened, dl_error *error) {
@@ -335,7 +347,7 @@ static dl_status examine(dl_located *located, bool *happened, dl_error *error) {
     if (!status && event.kind != DL_NO_EVENT) {
         status = go_to(located, &event, error);
         if (!status && located->contacts.count)
-            status = dl_contacts_acceleration(&located->contacts, method->y, located->a1, error);
+            status = press_at_event(located, &event, error);
     }
     if (!status)
         status = dl_located_find_release(located, event.t, &released, error);
