@@ -272,6 +272,24 @@ static void two_keep_the_linear_momentum_alone(void **state) {
     }
 }
 
+/* Walls and gravity move the mass centre, and book what they do. */
+static void the_linear_momentum_is_kept_where_the_centre_moves(void **state) {
+    (void)state;
+    static const char *const names[] = {"conserving-gonzalez", "conserving-average-vector-field"};
+    dl_scene *const scene = read_scene(DL_STUDIES "/conserving/bounce.yaml");
+    for (size_t k = 0; k < 2; k++) {
+        const dl_run_options how = run_options(0.1, 0.01);
+        finished run = run_with(scene, method_of(names[k]), "", &how);
+        const dl_run_summary *const s = &run.summary;
+        assert_int_equal(s->status, DL_OK);
+        assert_true(s->wall_hits > 0);
+        if (!(s->momentum_error_max <= 1e-13 * s->momentum_scale))
+            fail_msg("%s: momentum %g of %g", names[k], s->momentum_error_max, s->momentum_scale);
+        free(run.y);
+    }
+    dl_scene_free(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(means_do_the_work_of_the_potential),
@@ -280,6 +298,7 @@ int main(void) {
         cmocka_unit_test(the_control_does_not_keep_it),
         cmocka_unit_test(the_energy_stays_where_pairs_rest_on_a_breakpoint),
         cmocka_unit_test(two_keep_the_linear_momentum_alone),
+        cmocka_unit_test(the_linear_momentum_is_kept_where_the_centre_moves),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,20 +5,22 @@
  * is a time-symmetric step of order 2.
  *
  *   quotient  a pair's force is -(V(r1) - V(r0))/(s1 - s0) (d0 + d1), TR171 (2.4)
- *   Gonzalez  a(m) + c delta, m = q + delta/2, with the c that makes the work right (O. Gonzalez,
+ *   Gonzalez  a(m) + c e, m = q + delta/2, with the c that makes the work right (O. Gonzalez,
  *             J. Nonlinear Sci. 6 (1996) 449, doi:10.1007/BF02440162), in the metric of the
- *             kinetic energy:  c = (V(q0) - V(q1) - a(m).delta)/(delta.delta); pairs that pass a
- *             jump of the force have nearly the quotient in a(m), since a jump in the middle leaves
- *             systems without a solution: with the parts p of their way in the pieces of its ends,
- *             quotient + sum p (the piece's force in the middle - its quotient), which is
- * continuous average   the integral of a(q + x delta) over x from 0 to 1 (G.R.W. Quispel, D.I.
- * McLaren, J. Phys. A 41 (2008) 045206, doi:10.1088/1751-8113/41/4/045206) midpoint  a(m): the
- * implicit midpoint rule, symplectic, for comparison
+ *             kinetic energy:  c = (V(q0) - V(q1) - a(m).delta)/(e.delta), where e is delta less
+ *             the mass centre's part of it, on which V does not depend, if nothing is pinned or
+ *             held; pairs that pass a jump of the force have nearly the quotient in a(m), since a
+ *             jump in the middle leaves systems without a solution: with the parts p of their way
+ *             in the pieces of its ends, quotient + sum p (the piece's force in the middle - its
+ *             quotient), which is continuous
+ *   average   the integral of a(q + x delta) over x from 0 to 1 (G.R.W. Quispel, D.I. McLaren,
+ *             J. Phys. A 41 (2008) 045206, doi:10.1088/1751-8113/41/4/045206)
+ *   midpoint  a(m): the implicit midpoint rule, symplectic, for comparison
  *
  * The first three do the work V(q0) - V(q1) exactly, through breakpoints too; the differences of V
  * are the quotients' own work, which has no cancellation. Forces along the separation in the middle
- * (quotient, midpoint) keep both momenta; the average's pairs keep the linear one alone; Gonzalez'
- * correction keeps that where the mass centre is at rest. */
+ * (quotient, midpoint) keep both momenta; the average's pairs and Gonzalez' correction keep the
+ * linear one alone. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -114,8 +116,14 @@ dl_status dl_model_gonzalez_asymmetry(dl_model *model, const double *q, const do
     return dl_model_visit_passing(model, q, delta, take_asymmetry, out, error);
 }
 
+void dl_model_relative(const dl_model *model, const double *u, double *out) {
+    memcpy(out, u, model->unknowns * sizeof *u);
+    if (!model->has_pins && !model->held)
+        dl_model_rest_centre(model, out);
+}
+
 dl_status dl_model_gonzalez(dl_model *model, const double *q, const double *delta, double *middle_a,
-                            double *c, dl_error *error) {
+                            double *c, double *e, dl_error *error) {
     double *const missing = model->priv->middle + model->unknowns;
     dl_status status = accelerate_midpoint(model, q, delta, middle_a, error);
     status =
@@ -125,17 +133,19 @@ dl_status dl_model_gonzalez(dl_model *model, const double *q, const double *delt
         return status;
     for (size_t u = 0; u < model->unknowns; u++)
         missing[u] -= middle_a[u];
-    const double square = dl_model_work(model, delta, delta);
-    *c = square > 0 ? dl_model_work(model, missing, delta) / square : 0;
+    const double lacks = dl_model_work(model, missing, delta);
+    dl_model_relative(model, delta, e);
+    const double square = dl_model_work(model, e, e);
+    *c = square > 0 ? lacks / square : 0;
     return DL_OK;
 }
 
 static dl_status accelerate_gonzalez(dl_model *model, const double *q, const double *delta,
                                      double *a, dl_error *error) {
-    double c;
-    const dl_status status = dl_model_gonzalez(model, q, delta, a, &c, error);
+    double c, *const e = model->priv->middle;
+    const dl_status status = dl_model_gonzalez(model, q, delta, a, &c, e, error);
     for (size_t u = 0; !status && u < model->unknowns; u++)
-        a[u] += c * delta[u];
+        a[u] += c * e[u];
     return status;
 }
 

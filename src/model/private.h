@@ -160,9 +160,14 @@ typedef struct dl_mean_walk {
 
 dl_mean_walk dl_model_mean_walk(dl_model *model, const double *q, const double *delta);
 
-/* The correction of DL_MEAN_GONZALEZ: a = a(middle) + c delta. Sets middle_a [unknowns]. */
+/* out = u without the mass centre's part, where forces do not depend on its place: where nothing
+ * is pinned or held. */
+void dl_model_relative(const dl_model *model, const double *u, double *out);
+
+/* The correction of DL_MEAN_GONZALEZ: a = a(middle) + c e, e the relative part of delta. Sets
+ * middle_a and e [unknowns]; e may be priv->middle. */
 dl_status dl_model_gonzalez(dl_model *model, const double *q, const double *delta, double *middle_a,
-                            double *c, dl_error *error);
+                            double *c, double *e, dl_error *error);
 
 /* out += (B - B^T) delta of pairs that pass a jump, B the derivative of their mean by delta. */
 dl_status dl_model_gonzalez_asymmetry(dl_model *model, const double *q, const double *delta,

@@ -3,10 +3,11 @@
  *
  *     out_i = (1/inertia_i) sum_j B_ij (u_i - u_j)
  *
- * Gonzalez' mean a(m) + c delta, c = N/D with D = delta.delta (in the metric of the kinetic energy)
- * and N = V(q0) - V(q1) - a(m).delta, adds  c u + delta (g.u),
+ * Gonzalez' mean a(m) + c e, c = N/D with e the relative part of delta (discrete.c), D = e.e (in
+ * the metric of the kinetic energy) and N = V(q0) - V(q1) - a(m).delta, adds  c u' + e (g.u),  u'
+ * the relative part of u,
  *
- *     D g = a(q1) - a(m) - J(m) delta/2 - 2 c delta,
+ *     D g = a(q1) - a(m) - J(m) delta/2 - 2 c e,
  *
  * since the derivative of V(q0) - V(q1) is the acceleration at the end. (J is symmetric, but for
  * pairs that pass a jump; these have nearly no part in N.) */
@@ -20,9 +21,10 @@ struct dl_product {
     size_t *pair;  /* [2 * capacity]: i, j */
     double *block; /* [capacity * dimension * dimension] */
     bool out_of_memory;
-    double c;                 /* of Gonzalez' correction; 0 for other means */
-    double *delta, *gradient; /* [unknowns]: of his alone; NULL */
-    double *scratch;          /* [unknowns] */
+    double c;             /* of Gonzalez' correction; 0 for other means */
+    double *e, *gradient; /* [unknowns]: of his alone; NULL */
+    double *middle;       /* [unknowns]: of his alone: a(m); NULL */
+    double *scratch;      /* [unknowns] */
 };
 
 void dl_product_free(struct dl_product *product) {
@@ -30,7 +32,8 @@ void dl_product_free(struct dl_product *product) {
         return;
     free(product->pair);
     free(product->block);
-    free(product->delta);
+    free(product->e);
+    free(product->middle);
     free(product->gradient);
     free(product->scratch);
     free(product);
@@ -132,10 +135,11 @@ void dl_model_discrete_product(dl_model *model, const double *u, double *out) {
     const struct dl_product *const product = model->priv->product;
     model->counts.jacobian_vector++;
     multiply(model, u, out);
-    if (product->delta) {
+    if (product->e) {
         const double along = dl_model_work(model, product->gradient, u);
+        dl_model_relative(model, u, product->scratch);
         for (size_t k = 0; k < model->unknowns; k++)
-            out[k] += product->c * u[k] + along * product->delta[k];
+            out[k] += product->c * product->scratch[k] + along * product->e[k];
     }
     for (size_t k = 0; model->held && k < model->unknowns; k++)
         if (model->held[k])
@@ -165,9 +169,9 @@ void dl_model_discrete_diagonal(const dl_model *model, double *block) {
 static dl_status prepare_correction(dl_model *model, const double *q, const double *delta,
                                     dl_error *error) {
     struct dl_product *const product = model->priv->product;
-    double *const g = product->gradient, *const middle = product->delta;
-    double *const turned = product->scratch;
-    dl_status status = dl_model_gonzalez(model, q, delta, middle, &product->c, error);
+    double *const g = product->gradient, *const e = product->e;
+    double *const middle = product->middle, *const turned = product->scratch;
+    dl_status status = dl_model_gonzalez(model, q, delta, middle, &product->c, e, error);
     for (size_t k = 0; k < model->unknowns; k++)
         turned[k] = q[k] + delta[k];
     status = status ? status : dl_model_accelerate(model, turned, g, error);
@@ -177,10 +181,9 @@ static dl_status prepare_correction(dl_model *model, const double *q, const doub
     status = dl_model_gonzalez_asymmetry(model, q, delta, g, error);
     if (status)
         return status;
-    const double square = dl_model_work(model, delta, delta);
+    const double square = dl_model_work(model, e, e);
     for (size_t k = 0; k < model->unknowns; k++)
-        g[k] = square > 0 ? (g[k] - middle[k] - turned[k] - 2 * product->c * delta[k]) / square : 0;
-    memcpy(product->delta, delta, model->unknowns * sizeof *delta);
+        g[k] = square > 0 ? (g[k] - middle[k] - turned[k] - 2 * product->c * e[k]) / square : 0;
     return DL_OK;
 }
 
@@ -188,12 +191,13 @@ static dl_status create(dl_model *model, dl_error *error) {
     struct dl_product *const made = model->priv->product = calloc(1, sizeof *made);
     const size_t size = (model->unknowns + 1) * sizeof(double);
     if (made && model->mean == DL_MEAN_GONZALEZ) {
-        made->delta = malloc(size);
+        made->e = malloc(size);
+        made->middle = malloc(size);
         made->gradient = malloc(size);
         made->scratch = malloc(size);
     }
     const bool whole = made && (model->mean != DL_MEAN_GONZALEZ ||
-                                (made->delta && made->gradient && made->scratch));
+                                (made->e && made->middle && made->gradient && made->scratch));
     return whole ? DL_OK : dl_fail_memory(error, "a product with a derivative");
 }
 
