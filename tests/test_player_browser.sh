@@ -5,20 +5,7 @@
 #     test_player_browser.sh DRIFTLAB
 set -euo pipefail
 
-program=$1
-chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
-if [ -z "$chromium" ]; then
-    echo "SKIPPED: chromium is not installed (Debian: apt install chromium)"
-    exit 77
-fi
-
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-
-fail() {
-    echo "FAIL: $*" >&2
-    exit 1
-}
+. "$(dirname "$0")/fixture_browser.sh"
 
 # Three particles of TR299's masses, far apart: they fly straight. One leaves the others behind.
 cat > "$work/three.yaml" <<'SCENE'
@@ -48,29 +35,15 @@ for name in three cloud; do
     "$program" picture "$work/$name.h5" --out "$work/$name.html" > /dev/null || fail "$name: no page"
 done
 
-browse() { # HTML OPTION...
-    local page=$1
-    shift
-    timeout 120 "$chromium" --headless --no-sandbox --disable-gpu --no-first-run \
-        --disable-background-networking --disable-component-update --disable-sync \
-        --disable-dev-shm-usage --hide-scrollbars --user-data-dir="$work/profile" \
-        --virtual-time-budget=20000 --window-size=1280,900 "$@" "file://$page" 2> "$work/log"
-}
-
 # Uses the controls as a reader would and tells the frame around it what it saw.
 cat > "$work/probe.js" <<'PROBE'
 addEventListener("load", () => {
   const seen = {};
   const one = selector => document.querySelector(selector);
   const film = one(".film"), scrub = one(".transport input"), play = one(".play");
-  const choose = (name, value) => {
-    const label = [...document.querySelectorAll(".controls label")]
-      .find(candidate => candidate.textContent.startsWith(name));
-    const list = label && label.querySelector("select");
-    if (!list || ![...list.options].some(option => option.value === value)) return 0;
-    list.value = value;
-    list.dispatchEvent(new Event("change"));
-    return 1;
+  const labelled = name => {
+    const label = all(".controls label").find(candidate => candidate.textContent.startsWith(name));
+    return label && label.querySelector("select");
   };
   const press = (key, target = document.body) =>
     target.dispatchEvent(new KeyboardEvent("keydown", {key, bubbles: true, cancelable: true}));
@@ -109,7 +82,7 @@ addEventListener("load", () => {
     seen.drawn = film.dataset.drawn;
     seen.start = frame();
     seen.last = Number(scrub.max);
-    choose("Window", "all");
+    choose(labelled("Window"), "all");
     goTo(2);
     seen.scrubbed = frame();
     press("ArrowRight");
@@ -122,18 +95,18 @@ addEventListener("load", () => {
     seen.drawnAtEnd = film.dataset.drawn;
     press("Home");
     seen.home = frame();
-    seen.hasStates = choose("Colour", "state");
-    choose("Colour", "mass");
+    seen.hasStates = choose(labelled("Colour"), "state");
+    choose(labelled("Colour"), "mass");
     seen.grey = coloured() === 0 ? 1 : 0;
     const bare = dark();
-    choose("Colour", "speed");
+    choose(labelled("Colour"), "speed");
     seen.colourful = coloured() > 50 ? 1 : 0;
-    choose("Colour", "mass");
+    choose(labelled("Colour"), "mass");
     const box = one(".controls input[type=checkbox]");
     box.click();
     seen.arrows = dark() !== bare ? 1 : 0;
     box.click();
-    choose("Speed", "1");
+    choose(labelled("Speed"), "1");
     press(" ");
     seen.playing = play.textContent === "Pause" ? 1 : 0;
     wait(400);
@@ -158,7 +131,7 @@ addEventListener("load", () => {
       seen.cursor = Math.abs(line.left + 1 - left - place) < 12 ? 1 : 0;
     }
     seen.told = one(".told").textContent.includes(`frame ${frame() + 1} of`) ? 1 : 0;
-    seen.planes = choose("Plane", "yz");
+    seen.planes = choose(labelled("Plane"), "yz");
     seen.wide = document.documentElement.scrollWidth > innerWidth ? 1 : 0;
     seen.unnamed = [...document.querySelectorAll("button, .transport input")].filter(
       control => !control.textContent && !control.getAttribute("aria-label")).length;
@@ -166,33 +139,9 @@ addEventListener("load", () => {
   } catch (failure) {
     document.body.dataset.errors = failure.message;
   }
-  const {ready, errors} = document.body.dataset;
-  const told = Object.entries(seen).map(pair => pair.join("=")).join(" ");
-  parent.postMessage(errors ? "error: " + errors : ready ? told : "not drawn to its end", "*");
+  tell(seen);
 });
 PROBE
-
-look() { # NAME WIDTH [PROBE]: sets `found` to what the probe saw
-    local frame=$work/frame.html
-    { sed '/^<\/body>$/,$d' "$work/$1.html"; echo "<script>"; cat "${3:-$work/probe.js}"
-      echo "</script></body></html>"; } > "$work/probed.html"
-    cat > "$frame" <<FRAME
-<!DOCTYPE html><title>nothing seen</title>
-<script>addEventListener("message", event => { document.title = "seen: " + event.data; });</script>
-<iframe src="probed.html" style="width: $2px; height: 900px; border: 0"></iframe>
-FRAME
-    browse "$frame" --dump-dom > "$work/dom" || fail "$1: no browser: $(tail -3 "$work/log")"
-    found=$(sed -n 's/.*<title>\(.*\)<\/title>.*/\1/p' "$work/dom")
-    echo "$1 at $2 px: $found"
-    [[ $found == "seen: players="* ]] || fail "$1 at $2 px: $found"
-}
-
-expect() { # KEY=VALUE ...
-    local pair
-    for pair in "$@"; do
-        [[ " $found " == *" $pair "* ]] || fail "expected $pair in: $found"
-    done
-}
 
 for width in 1280 400; do
     look three $width
