@@ -59,7 +59,10 @@ COMMON
 # A frame of its own is as narrow as asked; a window is never narrower than 500 pixels.
 look() { # NAME WIDTH [PROBE]: sets `found` to what the probe saw of $work/NAME.html
     local probed=$work/$1-probed.html frame=$work/frame.html
-    { sed '/^<\/body>$/,$d' "$work/$1.html"; echo "<script>"; cat "$work/common.js"
+    # Frames by the clock: a browser without a window draws none by itself.
+    { sed -e '/^<\/body>$/,$d' -e '/^<head>$/a\
+<script>window.requestAnimationFrame = act => setTimeout(() => act(performance.now()), 16);</script>' \
+          "$work/$1.html"; echo "<script>"; cat "$work/common.js"
       echo "</script><script>"; cat "${3:-$work/probe.js}"; echo "</script></body></html>"
     } > "$probed"
     cat > "$frame" <<FRAME

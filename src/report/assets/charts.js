@@ -124,26 +124,35 @@ const strokeLine = (context, look, left, right, height) =>
   strokeFrom(context, look, [left, height], [right, height]);
 const strokeUpright = (context, look, at, top, bottom) =>
   strokeFrom(context, look, [at, top], [at, bottom]);
+
+/* The strokes, [from, to], of a point's interval of confidence; none where it has none. Its low end
+ * may have no place on a logarithmic axis. */
+const whisker = ({chartArea, scales: {y}}, {x}, {low, high}) => {
+  if (typeof low !== "number" || typeof high !== "number" || low === high) return [];
+  const placed = value => (y.type === "logarithmic" && value <= 0 ? chartArea.bottom + 9
+    : y.getPixelForValue(value));
+  const ends = [low, high].map(placed);
+  return [[[x, ends[0]], [x, ends[1]]], ...ends.map(end => [[x - 4, end], [x + 4, end]])];
+};
+
 /* Intervals of confidence of points that have one. */
 const whiskers = {
   id: "whiskers",
   beforeDatasetsDraw(chart) {
-    const {ctx, scales: {y}} = chart;
+    const {ctx, chartArea: area} = chart;
     ctx.save();
+    ctx.beginPath();
+    ctx.rect(area.left, area.top, area.right - area.left, area.bottom - area.top);
+    ctx.clip();
     for (const meta of chart.getSortedVisibleDatasetMetas()) {
       const set = chart.data.datasets[meta.index];
       ctx.strokeStyle = set.borderColor;
       meta.data.forEach((point, i) => {
-        const {low, high} = set.data[i];
-        if (typeof low !== "number" || typeof high !== "number") return;
         ctx.beginPath();
-        for (const value of [low, high]) {
-          const at = y.getPixelForValue(value);
-          ctx.moveTo(point.x - 4, at);
-          ctx.lineTo(point.x + 4, at);
+        for (const [from, to] of whisker(chart, point, set.data[i])) {
+          ctx.moveTo(...from);
+          ctx.lineTo(...to);
         }
-        ctx.moveTo(point.x, y.getPixelForValue(low));
-        ctx.lineTo(point.x, y.getPixelForValue(high));
         ctx.stroke();
       });
     }
@@ -164,6 +173,7 @@ const countPoints = chart => {
   chart.canvas.dataset.points = drawn;
 };
 
+const MOST_TOLD = 3;
 const FADED = "#dcdcdc";
 
 const paint = (set, faded) => {
@@ -189,8 +199,9 @@ const dataset = (line, hidden, radius) => paint({
   clip: 8, /* points on the frame stay whole */
 }, false);
 
-/* `plan`: {lines: [{name, look, bare (points alone), points: [{x, y, low, high, ...}]}], x, y (axes), marks, tooltip(point),
- * hidden (names), radius, label (for screen readers)}. */
+/* `plan`: {lines: [{name, look, bare (points alone), points: [{x, y, low, high, ...}]}], x, y (axes),
+ * marks, tooltip(point), hidden (names), radius, label (for screen readers), csv: {heads, row(point,
+ * name of the line)} or undefined}. */
 const makeChart = (canvas, plan) => {
   canvas.setAttribute("aria-label", plan.label);
   const chart = new Chart(canvas, {
@@ -209,6 +220,7 @@ const makeChart = (canvas, plan) => {
         marks: plan.marks,
         tooltip: {
           displayColors: false,
+          filter: (item, index) => index < MOST_TOLD, /* of points that lie on one another */
           callbacks: {
             title: items => items.map(item => item.dataset.label),
             label: item => plan.tooltip(item.raw),
@@ -217,6 +229,7 @@ const makeChart = (canvas, plan) => {
       },
     },
   });
+  chart.csv = plan.csv;
   countPoints(chart);
   return chart;
 };
@@ -232,9 +245,10 @@ const picture = draw => {
   return canvas;
 };
 
-const linePicture = look => picture(context => {
-  strokeLine(context, {...look, width: 1.8}, 1, 33, 7);
+const linePicture = ({look, bare}) => picture(context => {
+  if (!bare) strokeLine(context, {...look, width: 1.8}, 1, 33, 7);
   context.fillStyle = look.fill;
+  context.strokeStyle = look.colour;
   context.lineWidth = 1.5;
   Chart.helpers.drawPoint(context, {pointStyle: look.shape, radius: 4.5, rotation: 0,
                                    borderWidth: 1.5}, 17, 7);
@@ -279,7 +293,7 @@ const pickOut = (charts, name) => {
 const makeLegend = (lines, hidden, charts, marked) => {
   const legend = element("div", {className: "legend"});
   for (const line of lines) {
-    const button = element("button", {type: "button", className: "line"}, linePicture(line.look),
+    const button = element("button", {type: "button", className: "line"}, linePicture(line),
                            element("span", {}, line.name));
     button.setAttribute("aria-pressed", String(!hidden.has(line.name)));
     button.addEventListener("click", () => {

@@ -50,7 +50,8 @@ const svgAxes = chart => {
   y.ticks.forEach((tick, i) => {
     const at = y.getPixelForTick(i);
     line(area.left, at, area.right, at);
-    group.append(svgText(tick.label, area.left - 6, at + 4, "end"));
+    const lines = [tick.label].flat(), first = at + 4 - 7 * (lines.length - 1);
+    lines.forEach((text, k) => group.append(svgText(text, area.left - 6, first + 14 * k, "end")));
   });
   const middle = (area.top + area.bottom) / 2;
   group.append(
@@ -69,6 +70,12 @@ const svgData = chart => {
     const points = meta.data.filter(point => !point.skip)
       .map(point => point.getProps(["x", "y"], true));
     if (set.showLine) group.append(svgLine(points, set.look));
+    const plain = {colour: set.look.colour, dash: []};
+    meta.data.forEach((point, i) => {
+      if (!point.skip)
+        group.append(...whisker(chart, point, set.data[i])
+          .map(ends => svgLine(ends.map(([x, y]) => ({x, y})), plain)));
+    });
     if (set.pointRadius > 0)
       for (const {x, y} of points) group.append(svgMarker(set.look, x, y, set.pointRadius / 4.5));
   }
@@ -85,7 +92,8 @@ const svgKey = (chart, width, top) => {
       x = 12;
       y += 18;
     }
-    group.append(svgLine([{x, y}, {x: x + 30, y}], set.look), svgMarker(set.look, x + 15, y),
+    if (set.showLine) group.append(svgLine([{x, y}, {x: x + 30, y}], set.look));
+    group.append(svgMarker(set.look, x + 15, y),
                  svgText(set.label, x + 36, y + 4, "start"));
     x += room;
   }
@@ -123,14 +131,18 @@ const csvCell = value => {
 
 const csvOf = rows => rows.map(row => row.map(csvCell).join(",") + "\r\n").join("");
 
-/* Every visible point of a chart: the line's name, what sets the point apart, and its place. */
+/* Every visible point of a chart as its plan tells it, or else the line's name, what sets the point
+ * apart, and its place. */
 const csvOfChart = chart => {
   const {x, y} = chart.scales;
-  const rows = [["line", "case", x.options.title.text, y.options.title.text]];
+  const {heads, row} = chart.csv || {
+    heads: ["line", "case", x.options.title.text, y.options.title.text],
+    row: (point, line) => [line, point.one ? point.one.label : "", point.x, point.y],
+  };
+  const rows = [heads];
   for (const meta of chart.getSortedVisibleDatasetMetas()) {
     const set = chart.data.datasets[meta.index];
-    for (const point of set.data)
-      rows.push([set.label, point.one ? point.one.label : point.word || "", point.x, point.y]);
+    for (const point of set.data) rows.push(row(point, set.label));
   }
   return csvOf(rows);
 };
