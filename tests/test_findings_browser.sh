@@ -39,7 +39,7 @@ scene: hexagon.yaml
 samples: 200
 limits: {seconds: 20}
 cases:
-  - {method: leapfrog, step: [0.02, 0.01]}
+  - {method: leapfrog, step: [0.02, 0.01, 0.5]}
   - {method: composition-4-suzuki, step: 0.02}
   - {method: gsl-rk4, step: [0.02, 0.01]}
 STUDY
@@ -143,6 +143,11 @@ addEventListener("load", async () => {
     seen.findings = rows.length;
     seen.keys = new Set([...rows].map(row => row.dataset.key)).size;
     seen.scenes = all("section.scene").length;
+    seen.failures = all(".missing tr").length;
+    seen.plotsFirst = all("section.scene").filter(scene => {
+      const [plot, table] = ["canvas", "table.findings"].map(what => scene.querySelector(what));
+      return plot.compareDocumentPosition(table) & Node.DOCUMENT_POSITION_FOLLOWING;
+    }).length;
     seen.matrix = all("table.matrix tbody tr").length;
     seen.wide = document.documentElement.scrollWidth > innerWidth ? 1 : 0;
     seen.answers = all("#answer p").filter(one => /^[A-Z].*[.]$/.test(one.textContent)).length;
@@ -191,11 +196,12 @@ for kind in drift stability extreme equilibrium; do
     for width in 1280 400; do
         look $kind $width
         expect width=$width wide=0 repeat=1 findings="$(value "$found" keys)"
+        same $kind plotsFirst "$(value "$found" scenes)"
         same $kind findings "$(printed $kind '^  [^ ]')"
         case $kind in
         drift)
             same $kind trend "$(printed $kind '^    energy fluctuation:')"
-            expect scenes=1 matrix=0 answers=1 redrawn=5 trendShown=5 trendCsv=5 trendHidden=1 \
+            expect scenes=1 failures=1 matrix=0 answers=1 redrawn=6 trendShown=6 trendCsv=6 trendHidden=1 \
                 trendSvg=1 trendAlike=1 seriesHidden=1 seriesSvg=1 seriesAlike=1
             for chart in series seriesShown seriesCsv; do
                 same $kind $chart "$(value "$found" errors)"

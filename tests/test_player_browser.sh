@@ -119,16 +119,34 @@ addEventListener("load", () => {
     play.click();
     wait(9000);
     seen.playedToEnd = frame() === seen.last && play.textContent === "Play" ? 1 : 0;
-    const chart = one("canvas[data-chart=player-energy]");
-    if (chart) {
-      const {left, top} = chart.getBoundingClientRect();
-      const {scales: {x}} = Chart.getChart(chart);
-      const place = x.getPixelForValue((x.min + x.max) / 2);
-      chart.dispatchEvent(new PointerEvent("pointerdown",
-                                           {clientX: left + place, clientY: top + 50}));
-      seen.sought = Math.abs(frame() - seen.last / 2) <= 1 ? 1 : 0;
-      const line = one(".cursor").getBoundingClientRect();
-      seen.cursor = Math.abs(line.left + 1 - left - place) < 12 ? 1 : 0;
+    for (const [name, part] of [["energy", 0.5], ["parts", 0.25]]) {
+      const canvas = one(`canvas[data-chart=player-${name}]`);
+      if (!canvas) continue;
+      const chart = Chart.getChart(canvas), {x} = chart.scales;
+      const {left, top} = canvas.getBoundingClientRect();
+      const line = canvas.parentNode.querySelector(".cursor");
+      const isAt = time => Math.abs(line.getBoundingClientRect().left + 1 - left
+                                    - x.getPixelForValue(time)) < 2;
+      const timeOf = number => x.min + (x.max - x.min) * number / seen.last;
+      const place = x.getPixelForValue(timeOf(part * seen.last));
+      canvas.dispatchEvent(new PointerEvent("pointerdown",
+                                            {clientX: left + place, clientY: top + 50}));
+      seen[name + "Sought"] = Math.abs(frame() - part * seen.last) <= 1 ? 1 : 0;
+      const sought = isAt(timeOf(frame()));
+      play.click();
+      wait(200);
+      play.click();
+      seen[name + "Cursor"] = sought && isAt(timeOf(frame())) && frame() > part * seen.last ? 1 : 0;
+      seen[name] = canvas.dataset.points;
+    }
+    const parts = one("canvas[data-chart=player-parts]");
+    if (parts) {
+      const line = label => Chart.getChart(parts).data.datasets.find(set => set.label === label).data;
+      seen.kinetic = line("kinetic")[0].y;
+      seen.unequal = line("kinetic + potential").filter(({y}, k) =>
+        Math.abs(y - line("kinetic")[k].y - line("potential")[k].y) > 1e-9 * Math.abs(y)).length;
+      parts.closest("figure").querySelector(".legend button").click();
+      seen.hidden = seen.parts - parts.dataset.points;
     }
     seen.told = one(".told").textContent.includes(`frame ${frame() + 1} of`) ? 1 : 0;
     seen.planes = choose(labelled("Plane"), "yz");
@@ -147,11 +165,13 @@ for width in 1280 400; do
     look three $width
     expect players=1 drawn=3 drawnAtEnd=3 start=0 last=40 scrubbed=2 right=3 left=1 end=40 home=0 \
         hasStates=1 planes=0 grey=1 colourful=1 arrows=1 playing=1 advanced=1 paused=1 stays=1 \
-        playedToEnd=1 told=1 wide=0 unnamed=0 width=$width
+        playedToEnd=1 parts=123 partsSought=1 partsCursor=1 kinetic=122025000 unequal=0 hidden=41 \
+        told=1 wide=0 unnamed=0 width=$width
     look cloud $width
     expect players=1 drawn=36 drawnAtEnd=36 last=50 scrubbed=2 right=3 left=1 end=50 hasStates=0 \
         planes=1 grey=1 colourful=1 arrows=1 playing=1 advanced=1 paused=1 stays=1 playedToEnd=1 \
-        sought=1 cursor=1 told=1 wide=0 unnamed=0 width=$width
+        energySought=1 energyCursor=1 parts=153 partsSought=1 partsCursor=1 unequal=0 hidden=51 \
+        told=1 wide=0 unnamed=0 width=$width
 done
 
 # A light particle in the middle that a heavy one hides from +z and +x, not from -y: of the heavy
@@ -211,7 +231,7 @@ if "$program" study "$work/study.yaml" --out "$work/results.h5" > "$work/log" 2>
     "$program" report "$work/results.h5" --out "$work/report.html" --trajectory "$work/cloud.h5" \
         --trajectory "$work/three.h5" > /dev/null || fail "no report with players"
     look report 1280
-    expect players=2 drawn=36 scrubbed=2 wide=0
+    expect players=2 drawn=36 scrubbed=2 energyCursor=1 partsCursor=1 parts=153 wide=0
 else
     fail "no study: $(tail -3 "$work/log")"
 fi

@@ -29,28 +29,32 @@ const writeFindings = (() => {
     return one => (alone(one) ? one.line.name : nameOf(one));
   };
 
-  /* Lines of a tooltip, about `most` letters long. */
-  const wrapped = (text, most = 64) => {
-    const lines = [];
-    for (const word of text.split(/\s+/).filter(Boolean)) {
-      const last = lines.length - 1;
-      if (last >= 0 && lines[last].length + word.length < most) lines[last] += " " + word;
-      else lines.push(word);
-    }
-    return lines;
-  };
-
   const said = one => one.reason || one.message;
   const wholeCase = one => [...wrapped(methodOf(one)), "verdict: " + verdictOf(one),
                             ...wrapped(said(one))];
 
   /* --- the table of verdicts --- */
 
+  /* Neither good nor bad: a limit, and what is open. All other words tell how a run failed. */
+  const GOOD = /^(pass|stable|holds$|settled)/;
+  const OPEN = /^(limit|no limit|not |holds in part|several)/;
+
+  const failed = one => !measured(one) || !(GOOD.test(one.verdict) || OPEN.test(one.verdict));
+
   const verdictMark = one => {
-    const word = verdictOf(one);
-    const good = /^(pass|stable|holds$|settled)/.test(word), bad = /^(fail|unstable|never)/.test(word);
-    const kind = !measured(one) || bad ? "failed" : good ? "ok" : "refused";
+    const kind = failed(one) ? "failed" : GOOD.test(one.verdict) ? "ok" : "refused";
     return element("span", {className: "status " + kind}, verdictOf(one));
+  };
+
+  const writeFailures = (scene, section) => {
+    const missing = scene.findings.filter(failed);
+    if (!missing.length) return;
+    section.append(
+      element("h3", {}, `Failures: ${missing.length} of ${scene.findings.length}`),
+      element("div", {className: "scroll tall"}, element("table", {className: "plain missing"},
+        element("tbody", {}, missing.map(one => element("tr", {},
+          element("td", {}, one.line.name), element("td", {}, one.label),
+          element("td", {}, verdictMark(one)), element("td", {}, said(one))))))));
   };
 
   const verdictColumns = findings => {
@@ -394,15 +398,16 @@ const writeFindings = (() => {
   const overview = findings => {
     const section = element("section", {id: "overview"});
     page.append(section);
-    writeMatrix(findings, section);
     writeMaps(findings, section);
+    writeMatrix(findings, section);
     if (section.childElementCount) section.prepend(element("h2", {}, "All scenes"));
     else section.remove();
   };
 
   const ofScene = (scene, section) => {
-    writeVerdicts(scene, section);
     const draws = [writeStrips, writeTrend, writeSeries].map(write => write(scene, section));
+    writeFailures(scene, section);
+    writeVerdicts(scene, section);
     for (const draw of draws) draw(); /* charts take their size from a page that is laid out */
   };
 
