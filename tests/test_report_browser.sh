@@ -12,7 +12,7 @@ fabricate=$(dirname "$program")/test_report
 
 # Looks at the page after it is drawn, uses its controls and tells the frame around it what it saw.
 cat > "$work/probe.js" <<'PROBE'
-addEventListener("load", () => {
+addEventListener("load", async () => {
   const seen = {};
   const points = name => all(`canvas[data-chart=${name}]`).map(canvas => canvas.dataset.points);
   const first = name => Number(points(name)[0] || 0);
@@ -43,6 +43,8 @@ addEventListener("load", () => {
     canvas => Number(canvas.dataset.points) > 0 && inked(canvas) < 200).length;
   seen.overlaps = all("canvas[data-chart]").map(canvas => Chart.getChart(canvas)).filter(Boolean)
     .filter(chart => overlapping(chart.scales.x) || overlapping(chart.scales.y)).length;
+  const saver = document.querySelector("#scene-1 figure .save button");
+  if (saver) saver.click();
   for (const metric of ["position", "energy"]) {
     const choice = document.querySelector(`#scene-1 input[value=${metric}]`);
     if (choice) choice.click();
@@ -76,6 +78,11 @@ addEventListener("load", () => {
     chart.update("none");
     seen.tooltip = chart.tooltip.title.concat(chart.tooltip.body.flatMap(part => part.lines)).length;
   }
+  for (const text of saved.values()) {
+    const drawing = new DOMParser().parseFromString(await text, "image/svg+xml");
+    const texts = [...drawing.querySelectorAll("text")].map(one => one.textContent);
+    seen.saved = texts.filter(one => /^(leapfrog|asked: |below )/.test(one)).length;
+  }
   seen.width = innerWidth;
   tell(seen);
 });
@@ -105,6 +112,7 @@ for study in study one failed many empty; do
             same study over 500    # its position errors, and the reference's own in their midst
             same study every 250   # all five cases of leap-frog
             same study tooltip 7   # method, options, error, CPU, forces, steps, status
+            same study saved 3     # a line, and the asked and the smallest error, in the SVG
             same study missing $((50 - position)) ;;
         many)
             same many hidden 12

@@ -254,20 +254,26 @@ const linePicture = ({look, bare}) => picture(context => {
                                    borderWidth: 1.5}, 17, 7);
 });
 
+const MARK_TEXTS = {
+  asked: value => "asked: " + scientific(value),
+  floor: value => `below ${scientific(value)}, a hundred times the reference's own error: refused`,
+  horizon: value => `horizon, t = ${Number(value.toPrecision(4))}: errors after it mean nothing`,
+};
+
 const markKey = ({asked, floor, horizon}) => {
   const key = (image, text) => element("span", {className: "mark"}, image, text);
   const keys = [];
   if (asked)
     keys.push(key(picture(context => strokeLine(context, ASKED, 1, 33, 7)),
-                  "asked: " + scientific(asked)));
+                  MARK_TEXTS.asked(asked)));
   if (floor)
     keys.push(key(picture(context => {
       context.fillStyle = FLOOR_COLOUR;
       context.fillRect(1, 1, 32, 12);
-    }), `below ${scientific(floor)}, a hundred times the reference's own error: refused`));
+    }), MARK_TEXTS.floor(floor)));
   if (horizon)
     keys.push(key(picture(context => strokeUpright(context, HORIZON, 17, 1, 13)),
-                  `horizon, t = ${Number(horizon.toPrecision(4))}: errors after it mean nothing`));
+                  MARK_TEXTS.horizon(horizon)));
   return keys;
 };
 

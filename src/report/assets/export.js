@@ -64,7 +64,7 @@ const svgAxes = chart => {
 
 /* The visible lines with their points, clipped to the frame as on the screen. */
 const svgData = chart => {
-  const group = svgElement("g", {"clip-path": "url(#frame)"});
+  const group = svgElement("g", {"clip-path": `url(#frame-${chart.id})`});
   for (const meta of chart.getSortedVisibleDatasetMetas()) {
     const set = chart.data.datasets[meta.index];
     const points = meta.data.filter(point => !point.skip)
@@ -100,25 +100,57 @@ const svgKey = (chart, width, top) => {
   return {group, bottom: y + 14};
 };
 
+/* What `marks` draws on the screen, as far as it is within the frame. */
+const MARK_SHAPES = {
+  floor: ({chartArea: area, scales: {y}}, value) => {
+    const top = Math.max(area.top, y.getPixelForValue(value));
+    return svgElement("rect", {x: area.left, y: top, width: area.right - area.left,
+                               height: Math.max(0, area.bottom - top), fill: FLOOR_COLOUR});
+  },
+  asked: ({chartArea: area, scales: {y}}, value) => {
+    const at = y.getPixelForValue(value);
+    return svgLine([{x: area.left, y: at}, {x: area.right, y: at}], ASKED);
+  },
+  horizon: ({chartArea: area, scales: {x}}, value) => {
+    const at = x.getPixelForValue(value);
+    return svgLine([{x: at, y: area.top}, {x: at, y: area.bottom}], HORIZON);
+  },
+};
+
+const marksOfChart = chart => {
+  const marked = chart.options.plugins.marks || {};
+  return Object.keys(MARK_SHAPES).filter(kind => marked[kind]).map(kind => [kind, marked[kind]]);
+};
+
+/* A line of text a mark; from `top` down. */
+const svgMarkKey = (chart, top) => {
+  const group = svgElement("g", {});
+  marksOfChart(chart).forEach(([kind, value], i) => {
+    const y = top + 18 * i, look = {asked: ASKED, horizon: HORIZON}[kind];
+    group.append(look ? svgLine([{x: 12, y}, {x: 42, y}], look)
+                      : svgElement("rect", {x: 12, y: y - 6, width: 30, height: 12,
+                                            fill: FLOOR_COLOUR}),
+                 svgText(MARK_TEXTS[kind](value), 48, y + 4, "start"));
+  });
+  return {group, bottom: top + 18 * marksOfChart(chart).length};
+};
+
 /* The chart as it stands, hidden lines left out, as the text of an SVG file. */
 const svgOf = chart => {
   const {chartArea: area, width} = chart;
   const key = svgKey(chart, width, area.bottom + 56);
-  const {asked} = chart.options.plugins.marks || {};
+  const marks = svgMarkKey(chart, key.bottom + 4);
   const root = svgElement("svg", {
-    xmlns: NAMESPACE, width, height: key.bottom, viewBox: `0 0 ${width} ${key.bottom}`,
+    xmlns: NAMESPACE, width, height: marks.bottom, viewBox: `0 0 ${width} ${marks.bottom}`,
     "font-family": FONT});
   root.append(
-    svgElement("defs", {}, svgElement("clipPath", {id: "frame"}, svgElement("rect", {
+    svgElement("defs", {}, svgElement("clipPath", {id: "frame-" + chart.id}, svgElement("rect", {
       x: area.left - 6, y: area.top - 6, width: area.right - area.left + 12,
       height: area.bottom - area.top + 12}))),
     svgElement("rect", {width: "100%", height: "100%", fill: "#fff"}), svgAxes(chart));
-  if (asked) {
-    const y = chart.scales.y.getPixelForValue(asked);
-    root.append(svgLine([{x: area.left, y}, {x: area.right, y}],
-                        {colour: ASKED.colour, dash: ASKED.dash}));
-  }
-  root.append(svgData(chart), key.group);
+  const framed = svgElement("g", {"clip-path": `url(#frame-${chart.id})`});
+  framed.append(...marksOfChart(chart).map(([kind, value]) => MARK_SHAPES[kind](chart, value)));
+  root.append(framed, svgData(chart), key.group, marks.group);
   return new XMLSerializer().serializeToString(root);
 };
 
