@@ -187,6 +187,7 @@ const dataset = (line, hidden, radius) => paint({
   look: line.look,
   data: line.points,
   hidden: hidden.has(line.name),
+  order: line.above ? -1 : 0,
   showLine: !line.bare,
   spanGaps: false,
   borderDash: line.look.dash,
@@ -199,9 +200,9 @@ const dataset = (line, hidden, radius) => paint({
   clip: 8, /* points on the frame stay whole */
 }, false);
 
-/* `plan`: {lines: [{name, look, bare (points alone), points: [{x, y, low, high, ...}]}], x, y (axes),
- * marks, tooltip(point), hidden (names), radius, label (for screen readers), csv: {heads, row(point,
- * name of the line)} or undefined}. */
+/* `plan`: {lines: [{name, look, bare (points alone), above (all others), points: [{x, y, low, high,
+ * ...}]}], x, y (axes), marks, tooltip(point), hidden (names), radius, label (for screen readers),
+ * csv: {heads, row(point, name of the line)} or undefined}. */
 const makeChart = (canvas, plan) => {
   canvas.setAttribute("aria-label", plan.label);
   const chart = new Chart(canvas, {

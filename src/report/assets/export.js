@@ -62,10 +62,14 @@ const svgAxes = chart => {
   return group;
 };
 
-/* The visible lines with their points, clipped to the frame as on the screen. */
+/* What is visible, in the order of the legend. */
+const visibleMetas = chart =>
+  [...chart.getSortedVisibleDatasetMetas()].sort((a, b) => a.index - b.index);
+
+/* The visible lines with their points, clipped to the frame, one over another as on the screen. */
 const svgData = chart => {
   const group = svgElement("g", {"clip-path": `url(#frame-${chart.id})`});
-  for (const meta of chart.getSortedVisibleDatasetMetas()) {
+  for (const meta of [...chart.getSortedVisibleDatasetMetas()].reverse()) {
     const set = chart.data.datasets[meta.index];
     const points = meta.data.filter(point => !point.skip)
       .map(point => point.getProps(["x", "y"], true));
@@ -86,7 +90,7 @@ const svgData = chart => {
 const svgKey = (chart, width, top) => {
   const group = svgElement("g", {});
   let x = 12, y = top;
-  for (const meta of chart.getSortedVisibleDatasetMetas()) {
+  for (const meta of visibleMetas(chart)) {
     const set = chart.data.datasets[meta.index], room = 48 + 6.6 * set.label.length;
     if (x > 12 && x + room > width) {
       x = 12;
@@ -172,7 +176,7 @@ const csvOfChart = chart => {
     row: (point, line) => [line, point.one ? point.one.label : "", point.x, point.y],
   };
   const rows = [heads];
-  for (const meta of chart.getSortedVisibleDatasetMetas()) {
+  for (const meta of visibleMetas(chart)) {
     const set = chart.data.datasets[meta.index];
     for (const point of set.data) rows.push(row(point, set.label));
   }

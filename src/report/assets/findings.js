@@ -150,7 +150,7 @@ const writeFindings = (() => {
   const expectedLines = (strips, steps) => {
     const low = Math.min(...steps) / 3, high = Math.max(...steps) * 3;
     return EXPECTED.map(({name, look}) => ({
-      name, look, bare: true,
+      name, look, bare: true, above: true,
       points: strips.flatMap(({one}, y) => {
         const {value} = quantityOf(one, name) || {value: null};
         return value !== null && value > low && value < high
