@@ -104,8 +104,17 @@ addEventListener("load", async () => {
       clientX: left + point.x, clientY: top + point.y, bubbles: true}));
     for (let frame = 0; frame < 3; frame++)
       await new Promise(done => requestAnimationFrame(done));
-    const {tooltip} = chart;
-    return !tooltip.body ? "" : tooltip.title.concat(tooltip.body.flatMap(part => part.lines)).join("|");
+    const box = canvas.parentNode.querySelector(".told-of:not([hidden])");
+    if (!box) return "";
+    const {left: from, right: to, width} = box.getBoundingClientRect();
+    if (width < 50 || from < 0 || to > innerWidth) return "";
+    return [...box.children].map(line => line.textContent).join("|");
+  };
+  const leave = async canvas => {
+    canvas.dispatchEvent(new MouseEvent("mouseout", {bubbles: true}));
+    for (let frame = 0; frame < 3; frame++)
+      await new Promise(done => requestAnimationFrame(done));
+    return canvas.parentNode.querySelector(".told-of:not([hidden])") === null;
   };
   const saveBoth = async canvas => {
     for (const words of ["SVG", "CSV"]) buttonOf(canvas, words).click();
@@ -121,7 +130,7 @@ addEventListener("load", async () => {
     const {method} = chart.data.datasets[0].data[0].one;
     seen[name] = before;
     const text = await hover(canvas, 0, 0);
-    const told = text.includes(method) && /step|time/.test(text);
+    const told = text.includes(method) && /step|time/.test(text) && await leave(canvas);
     seen[name + "Told"] = told ? text.split("|").length : 0;
     line.click();
     seen[name + "Hidden"] = before - count(canvas) === size ? 1 : 0;

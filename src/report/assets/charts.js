@@ -174,6 +174,30 @@ const countPoints = chart => {
 };
 
 const MOST_TOLD = 3;
+
+/* What is told of a point stands over the page, not within a canvas that may be lower than it: beside
+ * the point, within the window. */
+const tellPoint = ({chart, tooltip}) => {
+  const {canvas} = chart, holder = canvas.parentNode;
+  let box = holder.querySelector(".told-of");
+  if (!box) {
+    box = element("div", {className: "told-of"});
+    holder.append(box);
+  }
+  box.hidden = tooltip.opacity === 0;
+  if (box.hidden) return;
+  box.replaceChildren(...tooltip.body.flatMap(({lines}, i) => [
+    element("strong", {}, tooltip.title[i] || ""), ...lines.map(line => element("div", {}, line))]));
+  box.style.left = box.style.top = "0";
+  const {left, top} = holder.getBoundingClientRect(), {width, height} = box.getBoundingClientRect();
+  const apart = 12, edge = 4, {caretX: x, caretY: y} = tooltip;
+  const fits = left + x + apart + width + edge <= innerWidth;
+  const wanted = left + (fits ? x + apart : x - apart - width);
+  const above = top + y + apart + height > innerHeight && top + y - apart - height > 0;
+  box.style.left = Math.max(edge, Math.min(wanted, innerWidth - width - edge)) - left + "px";
+  box.style.top = (above ? y - apart - height : y + apart) + "px";
+};
+
 const FADED = "#dcdcdc";
 
 const paint = (set, faded) => {
@@ -220,7 +244,8 @@ const makeChart = (canvas, plan) => {
         legend: {display: false},
         marks: plan.marks,
         tooltip: {
-          displayColors: false,
+          enabled: false,
+          external: tellPoint,
           filter: (item, index) => index < MOST_TOLD, /* of points that lie on one another */
           callbacks: {
             title: items => items.map(item => item.dataset.label),

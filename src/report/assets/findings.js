@@ -30,8 +30,7 @@ const writeFindings = (() => {
   };
 
   const said = one => one.reason || one.message;
-  const wholeCase = one => [...wrapped(methodOf(one)), "verdict: " + verdictOf(one),
-                            ...wrapped(said(one))];
+  const wholeCase = one => [methodOf(one), "verdict: " + verdictOf(one), said(one)].filter(Boolean);
 
   /* --- the table of verdicts --- */
 
@@ -122,6 +121,17 @@ const writeFindings = (() => {
   const withSteps = findings =>
     findings.filter(one => column(one, "step") === 0 && one.rows.some(scanned));
 
+  /* Lines about `most` letters long. */
+  const wrapped = (text, most) => {
+    const lines = [];
+    for (const word of text.split(/\s+/).filter(Boolean)) {
+      const last = lines.length - 1;
+      if (last >= 0 && lines[last].length + word.length < most) lines[last] += " " + word;
+      else lines.push(word);
+    }
+    return lines;
+  };
+
   const namesAxis = (title, names) => ({
     type: "linear", min: -0.6, max: names.length - 0.4, reverse: true,
     title: {display: Boolean(title), text: title, color: "#222"},
@@ -172,10 +182,10 @@ const writeFindings = (() => {
       x: logX(titleOf(strips[0].one.columns[0]),
               runs.concat(expected.flatMap(({points}) => points)).map(run => run.x)),
       y: namesAxis(yTitle, strips.map(({name}) => name)),
-      tooltip: run => [...wrapped(methodOf(run.one)),
+      tooltip: run => [methodOf(run.one),
                        ...runColumns(run).filter(([, value]) => value !== undefined)
                          .map(([title, value]) => `${title}: ${shown(value)}`),
-                       ...(run.end === run.row.word ? [] : wrapped(run.row.word))],
+                       ...(run.end === run.row.word ? [] : [run.row.word])],
       csv: {heads: ["end", "scene", "method", "options",
                     ...runColumns(runs[0]).map(([title]) => title), "in words"],
             row: run => [run.end, run.one.scene, run.one.method, run.one.options,
@@ -276,7 +286,7 @@ const writeFindings = (() => {
       y: isError(one.columns[k]) ? logY(title, drawn.flatMap(each => each.points.map(({y}) => y)))
                                  : linearX(title),
       tooltip: point => [`time: ${shown(point.x)}`, `${title}: ${shown(point.y)}`,
-                         ...wrapped(methodOf(point.one)), "verdict: " + verdictOf(point.one)],
+                         methodOf(point.one), "verdict: " + verdictOf(point.one)],
       csv: {heads: ["line", "scene", "method", "options", titleOf(one.columns[0]), title],
             row: (point, line) => [line, point.one.scene, point.one.method, point.one.options,
                                    point.x, point.y]},

@@ -38,17 +38,6 @@ const count = value =>
 const timesAsMuch = ratio =>
   ratio < 1.05 ? "about as much" : `${ratio.toFixed(ratio < 10 ? 1 : 0)} times as much`;
 
-/* Lines of a tooltip or a label, about `most` letters long. */
-const wrapped = (text, most = 64) => {
-  const lines = [];
-  for (const word of text.split(/\s+/).filter(Boolean)) {
-    const last = lines.length - 1;
-    if (last >= 0 && lines[last].length + word.length < most) lines[last] += " " + word;
-    else lines.push(word);
-  }
-  return lines;
-};
-
 /* "step=0.01 order=4" -> Map; a value may hold spaces. */
 const parseOptions = text =>
   new Map(text.split(/\s+(?=[\w.-]+=)/).filter(Boolean).map(part => {

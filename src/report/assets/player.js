@@ -447,7 +447,7 @@ const writePlayers = (() => {
         lines, hidden, radius: film.count > 150 ? 0 : 2, x: timeAxis(film), y: plot.y(lines),
         marks: {},
         tooltip: point => [`t = ${tickText(point.x)}`, scientific(point.y, 4),
-                           ...wrapped(`${film.method} ${film.options}`, 48)],
+                           `${film.method} ${film.options}`],
         csv: {heads: ["line", "method", "options", "time [time]", plot.unit],
               row: (point, line) => [line, film.method, film.options, point.x, point.y]},
         label: plot.title + " against time",
