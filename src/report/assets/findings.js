@@ -121,15 +121,14 @@ const writeFindings = (() => {
   const withSteps = findings =>
     findings.filter(one => column(one, "step") === 0 && one.rows.some(scanned));
 
-  /* Lines about `most` letters long. */
+  /* Lines of at most `most` letters, broken at spaces and hyphens. */
   const wrapped = (text, most) => {
-    const lines = [];
-    for (const word of text.split(/\s+/).filter(Boolean)) {
-      const last = lines.length - 1;
-      if (last >= 0 && lines[last].length + word.length < most) lines[last] += " " + word;
-      else lines.push(word);
+    const lines = [""];
+    for (const part of text.split(/(?<=[-\s])/)) {
+      if (lines[lines.length - 1].length + part.trim().length > most) lines.push("");
+      lines[lines.length - 1] += part;
     }
-    return lines;
+    return lines.map(line => line.trim()).filter(Boolean);
   };
 
   const namesAxis = (title, names) => ({
@@ -138,7 +137,7 @@ const writeFindings = (() => {
     grid: {color: "#e2e2e2", tickColor: "#888"},
     ticks: {autoSkip: false, color: "#222", callback: (value, i, ticks) => ticks[i].label},
     afterBuildTicks: axis => {
-      const room = Math.max(12, axis.chart.width / 13); /* letters, in a third of the width */
+      const room = Math.max(12, axis.chart.width / 14); /* letters, in less than half of the width */
       axis.ticks = names.map((label, value) => ({value, label: wrapped(label, room)}));
     },
   });
@@ -206,7 +205,7 @@ const writeFindings = (() => {
     };
   };
 
-  const heightOf = strips => `${Math.max(9, 5 + 1.6 * strips)}rem`;
+  const heightOf = strips => `${Math.max(9, 5 + 1.75 * strips)}rem`;
 
   const unscannedNote = findings => {
     const rest = findings.filter(one => measured(one) && column(one, "step") === 0
