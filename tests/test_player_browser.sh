@@ -5,20 +5,7 @@
 #     test_player_browser.sh DRIFTLAB
 set -euo pipefail
 
-program=$1
-chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
-if [ -z "$chromium" ]; then
-    echo "SKIPPED: chromium is not installed (Debian: apt install chromium)"
-    exit 77
-fi
-
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-
-fail() {
-    echo "FAIL: $*" >&2
-    exit 1
-}
+. "$(dirname "$0")/fixture_browser.sh"
 
 # Three particles of TR299's masses, far apart: they fly straight. One leaves the others behind.
 cat > "$work/three.yaml" <<'SCENE'
@@ -48,29 +35,15 @@ for name in three cloud; do
     "$program" picture "$work/$name.h5" --out "$work/$name.html" > /dev/null || fail "$name: no page"
 done
 
-browse() { # HTML OPTION...
-    local page=$1
-    shift
-    timeout 120 "$chromium" --headless --no-sandbox --disable-gpu --no-first-run \
-        --disable-background-networking --disable-component-update --disable-sync \
-        --disable-dev-shm-usage --hide-scrollbars --user-data-dir="$work/profile" \
-        --virtual-time-budget=20000 --window-size=1280,900 "$@" "file://$page" 2> "$work/log"
-}
-
 # Uses the controls as a reader would and tells the frame around it what it saw.
 cat > "$work/probe.js" <<'PROBE'
 addEventListener("load", () => {
   const seen = {};
   const one = selector => document.querySelector(selector);
   const film = one(".film"), scrub = one(".transport input"), play = one(".play");
-  const choose = (name, value) => {
-    const label = [...document.querySelectorAll(".controls label")]
-      .find(candidate => candidate.textContent.startsWith(name));
-    const list = label && label.querySelector("select");
-    if (!list || ![...list.options].some(option => option.value === value)) return 0;
-    list.value = value;
-    list.dispatchEvent(new Event("change"));
-    return 1;
+  const labelled = name => {
+    const label = all(".controls label").find(candidate => candidate.textContent.startsWith(name));
+    return label && label.querySelector("select");
   };
   const press = (key, target = document.body) =>
     target.dispatchEvent(new KeyboardEvent("keydown", {key, bubbles: true, cancelable: true}));
@@ -109,7 +82,7 @@ addEventListener("load", () => {
     seen.drawn = film.dataset.drawn;
     seen.start = frame();
     seen.last = Number(scrub.max);
-    choose("Window", "all");
+    choose(labelled("Window"), "all");
     goTo(2);
     seen.scrubbed = frame();
     press("ArrowRight");
@@ -122,18 +95,18 @@ addEventListener("load", () => {
     seen.drawnAtEnd = film.dataset.drawn;
     press("Home");
     seen.home = frame();
-    seen.hasStates = choose("Colour", "state");
-    choose("Colour", "mass");
+    seen.hasStates = choose(labelled("Colour"), "state");
+    choose(labelled("Colour"), "mass");
     seen.grey = coloured() === 0 ? 1 : 0;
     const bare = dark();
-    choose("Colour", "speed");
+    choose(labelled("Colour"), "speed");
     seen.colourful = coloured() > 50 ? 1 : 0;
-    choose("Colour", "mass");
+    choose(labelled("Colour"), "mass");
     const box = one(".controls input[type=checkbox]");
     box.click();
     seen.arrows = dark() !== bare ? 1 : 0;
     box.click();
-    choose("Speed", "1");
+    choose(labelled("Speed"), "1");
     press(" ");
     seen.playing = play.textContent === "Pause" ? 1 : 0;
     wait(400);
@@ -146,19 +119,37 @@ addEventListener("load", () => {
     play.click();
     wait(9000);
     seen.playedToEnd = frame() === seen.last && play.textContent === "Play" ? 1 : 0;
-    const chart = one("canvas[data-chart=player-energy]");
-    if (chart) {
-      const {left, top} = chart.getBoundingClientRect();
-      const {scales: {x}} = Chart.getChart(chart);
-      const place = x.getPixelForValue((x.min + x.max) / 2);
-      chart.dispatchEvent(new PointerEvent("pointerdown",
-                                           {clientX: left + place, clientY: top + 50}));
-      seen.sought = Math.abs(frame() - seen.last / 2) <= 1 ? 1 : 0;
-      const line = one(".cursor").getBoundingClientRect();
-      seen.cursor = Math.abs(line.left + 1 - left - place) < 12 ? 1 : 0;
+    for (const [name, part] of [["energy", 0.5], ["parts", 0.25]]) {
+      const canvas = one(`canvas[data-chart=player-${name}]`);
+      if (!canvas) continue;
+      const chart = Chart.getChart(canvas), {x} = chart.scales;
+      const {left, top} = canvas.getBoundingClientRect();
+      const line = canvas.parentNode.querySelector(".cursor");
+      const isAt = time => Math.abs(line.getBoundingClientRect().left + 1 - left
+                                    - x.getPixelForValue(time)) < 2;
+      const timeOf = number => x.min + (x.max - x.min) * number / seen.last;
+      const place = x.getPixelForValue(timeOf(part * seen.last));
+      canvas.dispatchEvent(new PointerEvent("pointerdown",
+                                            {clientX: left + place, clientY: top + 50}));
+      seen[name + "Sought"] = Math.abs(frame() - part * seen.last) <= 1 ? 1 : 0;
+      const sought = isAt(timeOf(frame()));
+      play.click();
+      wait(200);
+      play.click();
+      seen[name + "Cursor"] = sought && isAt(timeOf(frame())) && frame() > part * seen.last ? 1 : 0;
+      seen[name] = canvas.dataset.points;
+    }
+    const parts = one("canvas[data-chart=player-parts]");
+    if (parts) {
+      const line = label => Chart.getChart(parts).data.datasets.find(set => set.label === label).data;
+      seen.kinetic = line("kinetic")[0].y;
+      seen.unequal = line("kinetic + potential").filter(({y}, k) =>
+        Math.abs(y - line("kinetic")[k].y - line("potential")[k].y) > 1e-9 * Math.abs(y)).length;
+      parts.closest("figure").querySelector(".legend button").click();
+      seen.hidden = seen.parts - parts.dataset.points;
     }
     seen.told = one(".told").textContent.includes(`frame ${frame() + 1} of`) ? 1 : 0;
-    seen.planes = choose("Plane", "yz");
+    seen.planes = choose(labelled("Plane"), "yz");
     seen.wide = document.documentElement.scrollWidth > innerWidth ? 1 : 0;
     seen.unnamed = [...document.querySelectorAll("button, .transport input")].filter(
       control => !control.textContent && !control.getAttribute("aria-label")).length;
@@ -166,43 +157,21 @@ addEventListener("load", () => {
   } catch (failure) {
     document.body.dataset.errors = failure.message;
   }
-  const {ready, errors} = document.body.dataset;
-  const told = Object.entries(seen).map(pair => pair.join("=")).join(" ");
-  parent.postMessage(errors ? "error: " + errors : ready ? told : "not drawn to its end", "*");
+  tell(seen);
 });
 PROBE
-
-look() { # NAME WIDTH [PROBE]: sets `found` to what the probe saw
-    local frame=$work/frame.html
-    { sed '/^<\/body>$/,$d' "$work/$1.html"; echo "<script>"; cat "${3:-$work/probe.js}"
-      echo "</script></body></html>"; } > "$work/probed.html"
-    cat > "$frame" <<FRAME
-<!DOCTYPE html><title>nothing seen</title>
-<script>addEventListener("message", event => { document.title = "seen: " + event.data; });</script>
-<iframe src="probed.html" style="width: $2px; height: 900px; border: 0"></iframe>
-FRAME
-    browse "$frame" --dump-dom > "$work/dom" || fail "$1: no browser: $(tail -3 "$work/log")"
-    found=$(sed -n 's/.*<title>\(.*\)<\/title>.*/\1/p' "$work/dom")
-    echo "$1 at $2 px: $found"
-    [[ $found == "seen: players="* ]] || fail "$1 at $2 px: $found"
-}
-
-expect() { # KEY=VALUE ...
-    local pair
-    for pair in "$@"; do
-        [[ " $found " == *" $pair "* ]] || fail "expected $pair in: $found"
-    done
-}
 
 for width in 1280 400; do
     look three $width
     expect players=1 drawn=3 drawnAtEnd=3 start=0 last=40 scrubbed=2 right=3 left=1 end=40 home=0 \
         hasStates=1 planes=0 grey=1 colourful=1 arrows=1 playing=1 advanced=1 paused=1 stays=1 \
-        playedToEnd=1 told=1 wide=0 unnamed=0 width=$width
+        playedToEnd=1 parts=123 partsSought=1 partsCursor=1 kinetic=122025000 unequal=0 hidden=41 \
+        told=1 wide=0 unnamed=0 width=$width
     look cloud $width
     expect players=1 drawn=36 drawnAtEnd=36 last=50 scrubbed=2 right=3 left=1 end=50 hasStates=0 \
         planes=1 grey=1 colourful=1 arrows=1 playing=1 advanced=1 paused=1 stays=1 playedToEnd=1 \
-        sought=1 cursor=1 told=1 wide=0 unnamed=0 width=$width
+        energySought=1 energyCursor=1 parts=153 partsSought=1 partsCursor=1 unequal=0 hidden=51 \
+        told=1 wide=0 unnamed=0 width=$width
 done
 
 # A light particle in the middle that a heavy one hides from +z and +x, not from -y: of the heavy
@@ -262,7 +231,7 @@ if "$program" study "$work/study.yaml" --out "$work/results.h5" > "$work/log" 2>
     "$program" report "$work/results.h5" --out "$work/report.html" --trajectory "$work/cloud.h5" \
         --trajectory "$work/three.h5" > /dev/null || fail "no report with players"
     look report 1280
-    expect players=2 drawn=36 scrubbed=2 wide=0
+    expect players=2 drawn=36 scrubbed=2 energyCursor=1 partsCursor=1 parts=153 wide=0
 else
     fail "no study: $(tail -3 "$work/log")"
 fi

@@ -5,37 +5,15 @@
 #     test_report_browser.sh DRIFTLAB      (test_report, built beside it, fabricates the studies)
 set -euo pipefail
 
-program=$1
+. "$(dirname "$0")/fixture_browser.sh"
+
 fabricate=$(dirname "$program")/test_report
-chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
-if [ -z "$chromium" ]; then
-    echo "SKIPPED: chromium is not installed (Debian: apt install chromium)"
-    exit 77
-fi
-
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
 "$fabricate" "$work"
-
-fail() {
-    echo "FAIL: $*" >&2
-    exit 1
-}
-
-browse() { # HTML OPTION...
-    local page=$1
-    shift
-    timeout 120 "$chromium" --headless --no-sandbox --disable-gpu --no-first-run \
-        --disable-background-networking --disable-component-update --disable-sync \
-        --disable-dev-shm-usage --hide-scrollbars --user-data-dir="$work/profile" \
-        --virtual-time-budget=20000 --window-size=1280,900 "$@" "file://$page" 2> "$work/log"
-}
 
 # Looks at the page after it is drawn, uses its controls and tells the frame around it what it saw.
 cat > "$work/probe.js" <<'PROBE'
-addEventListener("load", () => {
+addEventListener("load", async () => {
   const seen = {};
-  const all = selector => [...document.querySelectorAll(selector)];
   const points = name => all(`canvas[data-chart=${name}]`).map(canvas => canvas.dataset.points);
   const first = name => Number(points(name)[0] || 0);
   const inked = canvas => {
@@ -65,6 +43,8 @@ addEventListener("load", () => {
     canvas => Number(canvas.dataset.points) > 0 && inked(canvas) < 200).length;
   seen.overlaps = all("canvas[data-chart]").map(canvas => Chart.getChart(canvas)).filter(Boolean)
     .filter(chart => overlapping(chart.scales.x) || overlapping(chart.scales.y)).length;
+  const saver = document.querySelector("#scene-1 figure .save button");
+  if (saver) saver.click();
   for (const metric of ["position", "energy"]) {
     const choice = document.querySelector(`#scene-1 input[value=${metric}]`);
     if (choice) choice.click();
@@ -80,19 +60,16 @@ addEventListener("load", () => {
   const column = heading ? [...heading.parentNode.children].indexOf(heading) : 0;
   const sorted = all("#scene-1 .cases tbody tr").map(row => Number(row.children[column].title));
   seen.unsorted = sorted.filter((value, i) => i && value < sorted[i - 1]).length;
-  const choose = (list, index) => {
-    list.selectedIndex = index;
-    list.dispatchEvent(new Event("change"));
-  };
+  const pick = (list, index) => choose(list, list.options[index].value);
   const [error, lines] = all("#scene-1 .controls select");
   const picker = document.querySelector("#scene-1 .pickers select");
   if (lines) {
-    choose(picker, 0);
+    pick(picker, 0);
     seen.without = first("time");
-    choose(error, 0);
+    pick(error, 0);
     seen.over = first("time");
-    choose(error, 1);
-    choose(lines, 1);
+    pick(error, 1);
+    pick(lines, 1);
     seen.every = first("time");
   }
   const chart = Chart.getChart(document.querySelector("canvas[data-chart=cpu]") || "none");
@@ -101,39 +78,15 @@ addEventListener("load", () => {
     chart.update("none");
     seen.tooltip = chart.tooltip.title.concat(chart.tooltip.body.flatMap(part => part.lines)).length;
   }
+  for (const text of saved.values()) {
+    const drawing = new DOMParser().parseFromString(await text, "image/svg+xml");
+    const texts = [...drawing.querySelectorAll("text")].map(one => one.textContent);
+    seen.saved = texts.filter(one => /^(leapfrog|asked: |below )/.test(one)).length;
+  }
   seen.width = innerWidth;
-  const {ready, errors} = document.body.dataset;
-  const told = Object.entries(seen).map(pair => pair.join("=")).join(" ");
-  parent.postMessage(errors ? "error: " + errors : ready ? told : "not drawn to its end", "*");
+  tell(seen);
 });
 PROBE
-
-# A frame of its own is as narrow as asked; a window is never narrower than 500 pixels.
-look() { # NAME WIDTH: sets `found` to what the probe saw
-    local probed=$work/$1-probed.html frame=$work/frame.html
-    { sed '/^<\/body>$/,$d' "$work/$1.html"; echo "<script>"; cat "$work/probe.js"
-      echo "</script></body></html>"; } > "$probed"
-    cat > "$frame" <<FRAME
-<!DOCTYPE html><title>nothing seen</title>
-<script>addEventListener("message", event => { document.title = "seen: " + event.data; });</script>
-<iframe src="$1-probed.html" style="width: $2px; height: 900px; border: 0"></iframe>
-FRAME
-    browse "$frame" --dump-dom > "$work/dom" || fail "$1: no browser: $(tail -3 "$work/log")"
-    found=$(sed -n 's/.*<title>\(.*\)<\/title>.*/\1/p' "$work/dom")
-    echo "$1 at $2 px: $found"
-    [[ $found == "seen: cases="* ]] || fail "$1 at $2 px: $found"
-}
-
-value() { # LIST KEY
-    [[ " $1 " =~ \ $2=([^ ]*)\  ]] || fail "no $2 in: $1"
-    echo "${BASH_REMATCH[1]}"
-}
-
-same() { # WHAT KEY EXPECTED
-    local seen
-    seen=$(value "$found" "$2")
-    [ "$seen" = "$3" ] || fail "$1: $2 is $seen, not $3"
-}
 
 for study in study one failed many empty; do
     expected=$(cat "$work/$study.expect")
@@ -159,6 +112,7 @@ for study in study one failed many empty; do
             same study over 500    # its position errors, and the reference's own in their midst
             same study every 250   # all five cases of leap-frog
             same study tooltip 7   # method, options, error, CPU, forces, steps, status
+            same study saved 3     # a line, and the asked and the smallest error, in the SVG
             same study missing $((50 - position)) ;;
         many)
             same many hidden 12

@@ -72,6 +72,8 @@ typedef struct dl_frames {
     double *time;           /* [count], not descending */
     long *step;             /* [count], of the method */
     double *energy_error;   /* [count], absolute, the ledger's losses booked; NULL: there is none */
+    double *kinetic;        /* [count], energy; NULL: the file does not say */
+    double *potential;      /* [count], energy of pairs and gravity; NULL: the file does not say */
     char *method, *options; /* of the run; NULL: the file does not say */
     struct dl_frames_file *file;
 } dl_frames;

@@ -55,6 +55,11 @@ static void *read_series(hid_t parent, const char *name, size_t count, hid_t typ
     return values;
 }
 
+static double *read_observable(const dl_frames *frames, const char *name) {
+    return read_series(frames->file->file.file, name, frames->count, H5T_NATIVE_DOUBLE,
+                       sizeof(double));
+}
+
 static dl_status read_axis(dl_frames *frames, dl_error *error) {
     const dl_h5md_file *const file = &frames->file->file;
     frames->time =
@@ -68,8 +73,9 @@ static dl_status read_axis(dl_frames *frames, dl_error *error) {
         if (!isfinite(frames->time[k]) || (k > 0 && frames->time[k] < frames->time[k - 1]))
             return dl_h5md_refuse(file, error, "times that do not ascend",
                                   "a trajectory that driftlab wrote");
-    frames->energy_error = read_series(file->file, "observables/energy_error/value", frames->count,
-                                       H5T_NATIVE_DOUBLE, sizeof(double));
+    frames->energy_error = read_observable(frames, "observables/energy_error/value");
+    frames->kinetic = read_observable(frames, "observables/kinetic_energy/value");
+    frames->potential = read_observable(frames, "observables/potential_energy/value");
     frames->method = dl_h5md_read_parameter(file, "method");
     frames->options = dl_h5md_read_parameter(file, "options");
     return DL_OK;
@@ -134,6 +140,8 @@ void dl_frames_close(dl_frames *frames) {
     free(frames->time);
     free(frames->step);
     free(frames->energy_error);
+    free(frames->kinetic);
+    free(frames->potential);
     free(frames->method);
     free(frames->options);
     free(frames);

@@ -65,6 +65,7 @@ dl_status dl_player_write(const char *const *trajectory, size_t count, const cha
             {"dom", DL_ASSET(dom_js)},
             {"format", DL_ASSET(format_js)},
             {"charts", DL_ASSET(charts_js)},
+            {"export", DL_ASSET(export_js)},
             {"player", DL_ASSET(player_js)},
         };
         status =

@@ -324,6 +324,14 @@ static bool put_particles(const film *f, json_t *object) {
            json_object_set_new(object, "pinned", pinned) == 0;
 }
 
+/* null where the file has no such series. */
+static json_t *shown_of(const film *f, const double *series) {
+    json_t *const values = series ? json_array() : json_null();
+    for (size_t k = 0; k < f->shown && series; k++)
+        json_array_append_new(values, real(rounded(series[f->number[k]])));
+    return values;
+}
+
 static bool put_series(const film *f, json_t *object) {
     const double *const error = f->frames->energy_error;
     json_t *const time = json_array(), *const step = json_array();
@@ -337,7 +345,9 @@ static bool put_series(const film *f, json_t *object) {
     }
     return json_object_set_new(object, "time", time) == 0 &&
            json_object_set_new(object, "step", step) == 0 &&
-           json_object_set_new(object, "energy", energy) == 0;
+           json_object_set_new(object, "energy", energy) == 0 &&
+           json_object_set_new(object, "kinetic", shown_of(f, f->frames->kinetic)) == 0 &&
+           json_object_set_new(object, "potential", shown_of(f, f->frames->potential)) == 0;
 }
 
 /* --- looks ------------------------------------------------------------------------------------ */

@@ -14,6 +14,7 @@
  *
  *     name, method, options; particles, dimension; frames (in the file), stride
  *     time, step: [shown]; energy: [shown], |error| / energy scale, or null
+ *     kinetic, potential: [shown], energies, or null
  *     low, high: [dimension], what 0 and 65535 stand for in `position`, Uint16
  * [shown][dimension][n] fastest: what 32767 stands for in `velocity`, Int16 [shown][dimension][n]
  *     speeds: [2], at the ends of the colours

@@ -217,22 +217,26 @@ static dl_status measure(const dl_study_unit *unit, dl_finding *finding, dl_erro
 /* --- answer ------------------------------------------------------------------------------------
  */
 
-/* Appends "VERDICT: METHOD step=X, ...", or nothing. */
+/* Appends "VERDICT: METHOD step=X, ...", the first few and how many more, or nothing. */
 static void list(const dl_results *results, const char *scene, const char *verdict, char *text,
                  size_t size) {
-    size_t used = strlen(text);
-    const char *before = *text ? "; " : "";
-    bool any = false;
+    enum { most = 6 };
+    size_t used = strlen(text), found = 0;
+    const char *const before = *text ? "; " : "";
     for (size_t i = 0; i < results->findings && used < size; i++) {
         const dl_finding *finding = &results->finding[i];
         char fineness[64];
         if (strcmp(finding->scene, scene) != 0 || strcmp(finding->verdict, verdict) != 0)
             continue;
+        if (found++ >= most)
+            continue;
         dl_finding_fineness(finding, fineness, sizeof fineness);
-        used += (size_t)snprintf(text + used, size - used, "%s%s%s %s %s", any ? "," : before,
-                                 any ? "" : verdict, any ? "" : ":", finding->method, fineness);
-        any = true;
+        used += (size_t)snprintf(text + used, size - used, "%s%s%s %s %s", found > 1 ? "," : before,
+                                 found > 1 ? "" : verdict, found > 1 ? "" : ":", finding->method,
+                                 fineness);
     }
+    if (found > most && used < size)
+        snprintf(text + used, size - used, " and %zu more", found - most);
 }
 
 static void answer(const dl_results *results, const char *scene, char *text, size_t size) {

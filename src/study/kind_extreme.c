@@ -249,17 +249,43 @@ static bool told_before(const dl_results *results, size_t i) {
     return false;
 }
 
+/* Appends " (METHOD, METHOD, ...)", those on the scene with that verdict; the first few. */
+static size_t name_some(const dl_results *results, const char *scene, const char *verdict,
+                        char *text, size_t size) {
+    enum { most = 4 };
+    size_t used = 0, named = 0;
+    const char *last = "";
+    for (size_t i = 0; i < results->findings && used < size; i++) {
+        const dl_finding *const finding = &results->finding[i];
+        if (strcmp(finding->scene, scene) != 0 || strcmp(finding->verdict, verdict) != 0 ||
+            strcmp(finding->method, last) == 0)
+            continue;
+        last = finding->method;
+        if (named < most)
+            used += (size_t)snprintf(text + used, size - used, "%s%s", named ? ", " : " (", last);
+        else if (named == most)
+            used += (size_t)snprintf(text + used, size - used, ", ...");
+        named++;
+    }
+    if (used < size)
+        used += (size_t)snprintf(text + used, size - used, ")");
+    return used;
+}
+
 static void answer(const dl_results *results, const char *scene, char *text, size_t size) {
     size_t used = (size_t)snprintf(text, size, "on %s:", scene);
     const char *separator = " ";
     for (size_t i = 0; i < results->findings && used < size; i++) {
         const dl_finding *const finding = &results->finding[i];
+        const char *const verdict = finding->verdict;
         if (strcmp(finding->scene, scene) != 0 || told_before(results, i))
             continue;
-        used += (size_t)snprintf(text + used, size - used, "%s%zu %s", separator,
-                                 count_verdict(results, scene, finding->verdict),
-                                 *finding->verdict ? finding->verdict : "could not be measured");
-        separator = ", ";
+        used += (size_t)snprintf(text + used, size - used, "%s%s: %zu", separator,
+                                 *verdict ? verdict : "could not be measured",
+                                 count_verdict(results, scene, verdict));
+        if (used < size)
+            used += name_some(results, scene, verdict, text + used, size - used);
+        separator = "; ";
     }
 }
 

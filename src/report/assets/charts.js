@@ -124,26 +124,35 @@ const strokeLine = (context, look, left, right, height) =>
   strokeFrom(context, look, [left, height], [right, height]);
 const strokeUpright = (context, look, at, top, bottom) =>
   strokeFrom(context, look, [at, top], [at, bottom]);
+
+/* The strokes, [from, to], of a point's interval of confidence; none where it has none. Its low end
+ * may have no place on a logarithmic axis. */
+const whisker = ({chartArea, scales: {y}}, {x}, {low, high}) => {
+  if (typeof low !== "number" || typeof high !== "number" || low === high) return [];
+  const placed = value => (y.type === "logarithmic" && value <= 0 ? chartArea.bottom + 9
+    : y.getPixelForValue(value));
+  const ends = [low, high].map(placed);
+  return [[[x, ends[0]], [x, ends[1]]], ...ends.map(end => [[x - 4, end], [x + 4, end]])];
+};
+
 /* Intervals of confidence of points that have one. */
 const whiskers = {
   id: "whiskers",
   beforeDatasetsDraw(chart) {
-    const {ctx, scales: {y}} = chart;
+    const {ctx, chartArea: area} = chart;
     ctx.save();
+    ctx.beginPath();
+    ctx.rect(area.left, area.top, area.right - area.left, area.bottom - area.top);
+    ctx.clip();
     for (const meta of chart.getSortedVisibleDatasetMetas()) {
       const set = chart.data.datasets[meta.index];
       ctx.strokeStyle = set.borderColor;
       meta.data.forEach((point, i) => {
-        const {low, high} = set.data[i];
-        if (typeof low !== "number" || typeof high !== "number") return;
         ctx.beginPath();
-        for (const value of [low, high]) {
-          const at = y.getPixelForValue(value);
-          ctx.moveTo(point.x - 4, at);
-          ctx.lineTo(point.x + 4, at);
+        for (const [from, to] of whisker(chart, point, set.data[i])) {
+          ctx.moveTo(...from);
+          ctx.lineTo(...to);
         }
-        ctx.moveTo(point.x, y.getPixelForValue(low));
-        ctx.lineTo(point.x, y.getPixelForValue(high));
         ctx.stroke();
       });
     }
@@ -164,6 +173,31 @@ const countPoints = chart => {
   chart.canvas.dataset.points = drawn;
 };
 
+const MOST_TOLD = 3;
+
+/* What is told of a point stands over the page, not within a canvas that may be lower than it: beside
+ * the point, within the window. */
+const tellPoint = ({chart, tooltip}) => {
+  const {canvas} = chart, holder = canvas.parentNode;
+  let box = holder.querySelector(".told-of");
+  if (!box) {
+    box = element("div", {className: "told-of"});
+    holder.append(box);
+  }
+  box.hidden = tooltip.opacity === 0;
+  if (box.hidden) return;
+  box.replaceChildren(...tooltip.body.flatMap(({lines}, i) => [
+    element("strong", {}, tooltip.title[i] || ""), ...lines.map(line => element("div", {}, line))]));
+  box.style.left = box.style.top = "0";
+  const {left, top} = holder.getBoundingClientRect(), {width, height} = box.getBoundingClientRect();
+  const apart = 12, edge = 4, {caretX: x, caretY: y} = tooltip;
+  const fits = left + x + apart + width + edge <= innerWidth;
+  const wanted = left + (fits ? x + apart : x - apart - width);
+  const above = top + y + apart + height > innerHeight && top + y - apart - height > 0;
+  box.style.left = Math.max(edge, Math.min(wanted, innerWidth - width - edge)) - left + "px";
+  box.style.top = (above ? y - apart - height : y + apart) + "px";
+};
+
 const FADED = "#dcdcdc";
 
 const paint = (set, faded) => {
@@ -177,6 +211,7 @@ const dataset = (line, hidden, radius) => paint({
   look: line.look,
   data: line.points,
   hidden: hidden.has(line.name),
+  order: line.above ? -1 : 0,
   showLine: !line.bare,
   spanGaps: false,
   borderDash: line.look.dash,
@@ -189,8 +224,9 @@ const dataset = (line, hidden, radius) => paint({
   clip: 8, /* points on the frame stay whole */
 }, false);
 
-/* `plan`: {lines: [{name, look, bare (points alone), points: [{x, y, low, high, ...}]}], x, y (axes), marks, tooltip(point),
- * hidden (names), radius, label (for screen readers)}. */
+/* `plan`: {lines: [{name, look, bare (points alone), above (all others), points: [{x, y, low, high,
+ * ...}]}], x, y (axes), marks, tooltip(point), hidden (names), radius, label (for screen readers),
+ * csv: {heads, row(point, name of the line)} or undefined}. */
 const makeChart = (canvas, plan) => {
   canvas.setAttribute("aria-label", plan.label);
   const chart = new Chart(canvas, {
@@ -208,7 +244,9 @@ const makeChart = (canvas, plan) => {
         legend: {display: false},
         marks: plan.marks,
         tooltip: {
-          displayColors: false,
+          enabled: false,
+          external: tellPoint,
+          filter: (item, index) => index < MOST_TOLD, /* of points that lie on one another */
           callbacks: {
             title: items => items.map(item => item.dataset.label),
             label: item => plan.tooltip(item.raw),
@@ -217,6 +255,7 @@ const makeChart = (canvas, plan) => {
       },
     },
   });
+  chart.csv = plan.csv;
   countPoints(chart);
   return chart;
 };
@@ -232,28 +271,35 @@ const picture = draw => {
   return canvas;
 };
 
-const linePicture = look => picture(context => {
-  strokeLine(context, {...look, width: 1.8}, 1, 33, 7);
+const linePicture = ({look, bare}) => picture(context => {
+  if (!bare) strokeLine(context, {...look, width: 1.8}, 1, 33, 7);
   context.fillStyle = look.fill;
+  context.strokeStyle = look.colour;
   context.lineWidth = 1.5;
   Chart.helpers.drawPoint(context, {pointStyle: look.shape, radius: 4.5, rotation: 0,
                                    borderWidth: 1.5}, 17, 7);
 });
+
+const MARK_TEXTS = {
+  asked: value => "asked: " + scientific(value),
+  floor: value => `below ${scientific(value)}, a hundred times the reference's own error: refused`,
+  horizon: value => `horizon, t = ${Number(value.toPrecision(4))}: errors after it mean nothing`,
+};
 
 const markKey = ({asked, floor, horizon}) => {
   const key = (image, text) => element("span", {className: "mark"}, image, text);
   const keys = [];
   if (asked)
     keys.push(key(picture(context => strokeLine(context, ASKED, 1, 33, 7)),
-                  "asked: " + scientific(asked)));
+                  MARK_TEXTS.asked(asked)));
   if (floor)
     keys.push(key(picture(context => {
       context.fillStyle = FLOOR_COLOUR;
       context.fillRect(1, 1, 32, 12);
-    }), `below ${scientific(floor)}, a hundred times the reference's own error: refused`));
+    }), MARK_TEXTS.floor(floor)));
   if (horizon)
     keys.push(key(picture(context => strokeUpright(context, HORIZON, 17, 1, 13)),
-                  `horizon, t = ${Number(horizon.toPrecision(4))}: errors after it mean nothing`));
+                  MARK_TEXTS.horizon(horizon)));
   return keys;
 };
 
@@ -279,7 +325,7 @@ const pickOut = (charts, name) => {
 const makeLegend = (lines, hidden, charts, marked) => {
   const legend = element("div", {className: "legend"});
   for (const line of lines) {
-    const button = element("button", {type: "button", className: "line"}, linePicture(line.look),
+    const button = element("button", {type: "button", className: "line"}, linePicture(line),
                            element("span", {}, line.name));
     button.setAttribute("aria-pressed", String(!hidden.has(line.name)));
     button.addEventListener("click", () => {

@@ -50,7 +50,8 @@ const svgAxes = chart => {
   y.ticks.forEach((tick, i) => {
     const at = y.getPixelForTick(i);
     line(area.left, at, area.right, at);
-    group.append(svgText(tick.label, area.left - 6, at + 4, "end"));
+    const lines = [tick.label].flat(), first = at + 4 - 7 * (lines.length - 1);
+    lines.forEach((text, k) => group.append(svgText(text, area.left - 6, first + 14 * k, "end")));
   });
   const middle = (area.top + area.bottom) / 2;
   group.append(
@@ -61,14 +62,24 @@ const svgAxes = chart => {
   return group;
 };
 
-/* The visible lines with their points, clipped to the frame as on the screen. */
+/* What is visible, in the order of the legend. */
+const visibleMetas = chart =>
+  [...chart.getSortedVisibleDatasetMetas()].sort((a, b) => a.index - b.index);
+
+/* The visible lines with their points, clipped to the frame, one over another as on the screen. */
 const svgData = chart => {
-  const group = svgElement("g", {"clip-path": "url(#frame)"});
-  for (const meta of chart.getSortedVisibleDatasetMetas()) {
+  const group = svgElement("g", {"clip-path": `url(#frame-${chart.id})`});
+  for (const meta of [...chart.getSortedVisibleDatasetMetas()].reverse()) {
     const set = chart.data.datasets[meta.index];
     const points = meta.data.filter(point => !point.skip)
       .map(point => point.getProps(["x", "y"], true));
     if (set.showLine) group.append(svgLine(points, set.look));
+    const plain = {colour: set.look.colour, dash: []};
+    meta.data.forEach((point, i) => {
+      if (!point.skip)
+        group.append(...whisker(chart, point, set.data[i])
+          .map(ends => svgLine(ends.map(([x, y]) => ({x, y})), plain)));
+    });
     if (set.pointRadius > 0)
       for (const {x, y} of points) group.append(svgMarker(set.look, x, y, set.pointRadius / 4.5));
   }
@@ -79,38 +90,71 @@ const svgData = chart => {
 const svgKey = (chart, width, top) => {
   const group = svgElement("g", {});
   let x = 12, y = top;
-  for (const meta of chart.getSortedVisibleDatasetMetas()) {
+  for (const meta of visibleMetas(chart)) {
     const set = chart.data.datasets[meta.index], room = 48 + 6.6 * set.label.length;
     if (x > 12 && x + room > width) {
       x = 12;
       y += 18;
     }
-    group.append(svgLine([{x, y}, {x: x + 30, y}], set.look), svgMarker(set.look, x + 15, y),
+    if (set.showLine) group.append(svgLine([{x, y}, {x: x + 30, y}], set.look));
+    group.append(svgMarker(set.look, x + 15, y),
                  svgText(set.label, x + 36, y + 4, "start"));
     x += room;
   }
   return {group, bottom: y + 14};
 };
 
+/* What `marks` draws on the screen, as far as it is within the frame. */
+const MARK_SHAPES = {
+  floor: ({chartArea: area, scales: {y}}, value) => {
+    const top = Math.max(area.top, y.getPixelForValue(value));
+    return svgElement("rect", {x: area.left, y: top, width: area.right - area.left,
+                               height: Math.max(0, area.bottom - top), fill: FLOOR_COLOUR});
+  },
+  asked: ({chartArea: area, scales: {y}}, value) => {
+    const at = y.getPixelForValue(value);
+    return svgLine([{x: area.left, y: at}, {x: area.right, y: at}], ASKED);
+  },
+  horizon: ({chartArea: area, scales: {x}}, value) => {
+    const at = x.getPixelForValue(value);
+    return svgLine([{x: at, y: area.top}, {x: at, y: area.bottom}], HORIZON);
+  },
+};
+
+const marksOfChart = chart => {
+  const marked = chart.options.plugins.marks || {};
+  return Object.keys(MARK_SHAPES).filter(kind => marked[kind]).map(kind => [kind, marked[kind]]);
+};
+
+/* A line of text a mark; from `top` down. */
+const svgMarkKey = (chart, top) => {
+  const group = svgElement("g", {});
+  marksOfChart(chart).forEach(([kind, value], i) => {
+    const y = top + 18 * i, look = {asked: ASKED, horizon: HORIZON}[kind];
+    group.append(look ? svgLine([{x: 12, y}, {x: 42, y}], look)
+                      : svgElement("rect", {x: 12, y: y - 6, width: 30, height: 12,
+                                            fill: FLOOR_COLOUR}),
+                 svgText(MARK_TEXTS[kind](value), 48, y + 4, "start"));
+  });
+  return {group, bottom: top + 18 * marksOfChart(chart).length};
+};
+
 /* The chart as it stands, hidden lines left out, as the text of an SVG file. */
 const svgOf = chart => {
   const {chartArea: area, width} = chart;
   const key = svgKey(chart, width, area.bottom + 56);
-  const {asked} = chart.options.plugins.marks || {};
+  const marks = svgMarkKey(chart, key.bottom + 4);
   const root = svgElement("svg", {
-    xmlns: NAMESPACE, width, height: key.bottom, viewBox: `0 0 ${width} ${key.bottom}`,
+    xmlns: NAMESPACE, width, height: marks.bottom, viewBox: `0 0 ${width} ${marks.bottom}`,
     "font-family": FONT});
   root.append(
-    svgElement("defs", {}, svgElement("clipPath", {id: "frame"}, svgElement("rect", {
+    svgElement("defs", {}, svgElement("clipPath", {id: "frame-" + chart.id}, svgElement("rect", {
       x: area.left - 6, y: area.top - 6, width: area.right - area.left + 12,
       height: area.bottom - area.top + 12}))),
     svgElement("rect", {width: "100%", height: "100%", fill: "#fff"}), svgAxes(chart));
-  if (asked) {
-    const y = chart.scales.y.getPixelForValue(asked);
-    root.append(svgLine([{x: area.left, y}, {x: area.right, y}],
-                        {colour: ASKED.colour, dash: ASKED.dash}));
-  }
-  root.append(svgData(chart), key.group);
+  const framed = svgElement("g", {"clip-path": `url(#frame-${chart.id})`});
+  framed.append(...marksOfChart(chart).map(([kind, value]) => MARK_SHAPES[kind](chart, value)));
+  root.append(framed, svgData(chart), key.group, marks.group);
   return new XMLSerializer().serializeToString(root);
 };
 
@@ -123,14 +167,18 @@ const csvCell = value => {
 
 const csvOf = rows => rows.map(row => row.map(csvCell).join(",") + "\r\n").join("");
 
-/* Every visible point of a chart: the line's name, what sets the point apart, and its place. */
+/* Every visible point of a chart as its plan tells it, or else the line's name, what sets the point
+ * apart, and its place. */
 const csvOfChart = chart => {
   const {x, y} = chart.scales;
-  const rows = [["line", "case", x.options.title.text, y.options.title.text]];
-  for (const meta of chart.getSortedVisibleDatasetMetas()) {
+  const {heads, row} = chart.csv || {
+    heads: ["line", "case", x.options.title.text, y.options.title.text],
+    row: (point, line) => [line, point.one ? point.one.label : "", point.x, point.y],
+  };
+  const rows = [heads];
+  for (const meta of visibleMetas(chart)) {
     const set = chart.data.datasets[meta.index];
-    for (const point of set.data)
-      rows.push([set.label, point.one ? point.one.label : point.word || "", point.x, point.y]);
+    for (const point of set.data) rows.push(row(point, set.label));
   }
   return csvOf(rows);
 };

@@ -19,13 +19,41 @@ const writeFindings = (() => {
     shown(value) + (low === null || high === null || (low === value && high === value) ? ""
       : ` (${shown(low)} to ${shown(high)})`);
 
+  const methodOf = one => [one.method, one.options].filter(Boolean).join(" ");
+
+  /* The name alone where a scene has no other finding of that line: what it left unsaid is then the
+   * scene's own, a step say. */
+  const shortNames = findings => {
+    const alone = one => findings.every(each =>
+      each === one || each.line !== one.line || each.scene !== one.scene);
+    return one => (alone(one) ? one.line.name : nameOf(one));
+  };
+
+  const said = one => one.reason || one.message;
+  const wholeCase = one => [methodOf(one), "verdict: " + verdictOf(one), said(one)].filter(Boolean);
+
   /* --- the table of verdicts --- */
 
+  /* Neither good nor bad: a limit, and what is open. All other words tell how a run failed. */
+  const GOOD = /^(pass|stable|holds$|settled)/;
+  const OPEN = /^(limit|no limit|not |holds in part|several)/;
+
+  const failed = one => !measured(one) || !(GOOD.test(one.verdict) || OPEN.test(one.verdict));
+
   const verdictMark = one => {
-    const word = verdictOf(one);
-    const good = /^(pass|stable|holds$|settled)/.test(word), bad = /^(fail|unstable|never)/.test(word);
-    const kind = !measured(one) || bad ? "failed" : good ? "ok" : "refused";
+    const kind = failed(one) ? "failed" : GOOD.test(one.verdict) ? "ok" : "refused";
     return element("span", {className: "status " + kind}, verdictOf(one));
+  };
+
+  const writeFailures = (scene, section) => {
+    const missing = scene.findings.filter(failed);
+    if (!missing.length) return;
+    section.append(
+      element("h3", {}, `Failures: ${missing.length} of ${scene.findings.length}`),
+      element("div", {className: "scroll tall"}, element("table", {className: "plain missing"},
+        element("tbody", {}, missing.map(one => element("tr", {},
+          element("td", {}, one.line.name), element("td", {}, one.label),
+          element("td", {}, verdictMark(one)), element("td", {}, said(one))))))));
   };
 
   const verdictColumns = findings => {
@@ -40,13 +68,17 @@ const writeFindings = (() => {
     const quantities = verdictColumns(scene.findings);
     const cells = one => quantities.map(({name}) => {
       const quantity = quantityOf(one, name);
-      return element("td", {className: "number", title: quantity ? String(quantity.value) : ""},
-                     quantity ? interval(quantity) : "–");
+      const known = quantity && quantity.value !== null;
+      const cell = element("td", {className: "number" + (known ? "" : " none"),
+                                  title: known ? String(quantity.value) : ""},
+                           known ? interval(quantity) : "–");
+      cell.dataset.head = name; /* where the headings have no room */
+      return cell;
     });
     const rows = scene.findings.map(one => {
       const row = element("tr", {}, element("td", {}, one.line.name), element("td", {}, one.label),
                           element("td", {}, verdictMark(one)),
-                          element("td", {className: "reason"}, one.reason || one.message),
+                          element("td", {className: "reason"}, said(one)),
                           ...cells(one));
       row.dataset.key = one.key;
       return row;
@@ -63,7 +95,7 @@ const writeFindings = (() => {
         ["method", "options", "verdict", "in words",
          ...quantities.flatMap(each => [titleOf(each), each.name + " low", each.name + " high"])],
         ...scene.findings.map(one => [
-          one.method, one.options, verdictOf(one), one.reason || one.message,
+          one.method, one.options, verdictOf(one), said(one),
           ...quantities.flatMap(({name}) => {
             const {value, low, high} = quantityOf(one, name) || {};
             return [value, low, high];
@@ -72,17 +104,32 @@ const writeFindings = (() => {
 
   /* --- runs by step: a strip a method, a mark a run, its look the run's end --- */
 
+  /* "blow-up: the energy error at t = 3 is ..." ends in "blow-up". */
+  const endOf = word => word.replace(/:.*/s, "") || "run";
+
   /* "stable" and "held" are the good ends and come first, so that they look the same everywhere. */
   const wordLooks = words => {
     const good = words.filter(word => /^(stable|held|holds)/.test(word));
     const ordered = good.concat(words.filter(word => !good.includes(word)).sort());
     const looks = new Map();
     ordered.forEach((word, i) =>
-      looks.set(word, lookOf(good.length ? i : i + 1)));
+      looks.set(word, {...lookOf(good.length ? i : i + 1), dash: []}));
     return looks;
   };
 
-  const withSteps = findings => findings.filter(one => column(one, "step") === 0 && one.rows.length);
+  const scanned = row => row.values[0] > 0; /* a method that chooses its steps has none */
+  const withSteps = findings =>
+    findings.filter(one => column(one, "step") === 0 && one.rows.some(scanned));
+
+  /* Lines of at most `most` letters, broken at spaces and hyphens. */
+  const wrapped = (text, most) => {
+    const lines = [""];
+    for (const part of text.split(/(?<=[-\s])/)) {
+      if (lines[lines.length - 1].length + part.trim().length > most) lines.push("");
+      lines[lines.length - 1] += part;
+    }
+    return lines.map(line => line.trim()).filter(Boolean);
+  };
 
   const namesAxis = (title, names) => ({
     type: "linear", min: -0.6, max: names.length - 0.4, reverse: true,
@@ -90,25 +137,58 @@ const writeFindings = (() => {
     grid: {color: "#e2e2e2", tickColor: "#888"},
     ticks: {autoSkip: false, color: "#222", callback: (value, i, ticks) => ticks[i].label},
     afterBuildTicks: axis => {
-      axis.ticks = names.map((label, value) => ({value, label}));
+      const room = Math.max(12, axis.chart.width / 14); /* letters, in less than half of the width */
+      axis.ticks = names.map((label, value) => ({value, label: wrapped(label, room)}));
     },
   });
 
+  const runsOf = strips => strips.flatMap(({one}, y) => one.rows.filter(scanned).map(row =>
+    ({x: row.values[0], y, end: endOf(row.word), row, one})));
+
+  const runColumns = run => run.one.columns.map((each, i) => [titleOf(each), run.row.values[i]]);
+
+  /* What lets expect where a method's steps end to be stable, beside where they do. */
+  const EXPECTED = [
+    {name: "predicted limit", look: {colour: "#000000", fill: "#ffffff", dash: [], shape: "cross"}},
+    {name: "2/omega along the run",
+     look: {colour: "#5a5a5a", fill: "#ffffff", dash: [], shape: "crossRot"}},
+    {name: "r0/|v|", look: {colour: "#5a5a5a", fill: "#ffffff", dash: [], shape: "triangle"}},
+  ];
+
+  /* Those no farther from the steps that were run than would squeeze these together. */
+  const expectedLines = (strips, steps) => {
+    const low = Math.min(...steps) / 3, high = Math.max(...steps) * 3;
+    return EXPECTED.map(({name, look}) => ({
+      name, look, bare: true, above: true,
+      points: strips.flatMap(({one}, y) => {
+        const {value} = quantityOf(one, name) || {value: null};
+        return value !== null && value > low && value < high
+          ? [{x: value, y, end: name, one, row: {word: name, values: [value]}}] : [];
+      }),
+    })).filter(({points}) => points.length);
+  };
+
   /* `strips`: [{name, one}]. */
   const stripPlan = (scene, strips, yTitle, hidden) => {
-    const runs = strips.flatMap(({one}, y) => one.rows.filter(row => row.values[0] > 0).map(row =>
-      ({x: row.values[0], y, word: row.word, row, one})));
+    const runs = runsOf(strips);
     if (!runs.length) return null;
-    const looks = wordLooks(unique(runs.map(run => run.word)));
+    const expected = expectedLines(strips, runs.map(run => run.x));
     return {
-      lines: [...looks].map(([word, look]) => ({
-        name: word || "run", look: {...look, dash: []}, bare: true,
-        points: runs.filter(run => run.word === word)})),
+      lines: [...wordLooks(unique(runs.map(run => run.end)))].map(([end, look]) => ({
+        name: end, look, bare: true, points: runs.filter(run => run.end === end)}))
+        .concat(expected),
       hidden, radius: 4.5, marks: {},
-      x: logX(titleOf(strips[0].one.columns[0]), runs.map(run => run.x)),
+      x: logX(titleOf(strips[0].one.columns[0]),
+              runs.concat(expected.flatMap(({points}) => points)).map(run => run.x)),
       y: namesAxis(yTitle, strips.map(({name}) => name)),
-      tooltip: run => run.one.columns.map((each, i) => `${titleOf(each)}: ${shown(run.row.values[i])}`)
-        .concat(nameOf(run.one)),
+      tooltip: run => [methodOf(run.one),
+                       ...runColumns(run).filter(([, value]) => value !== undefined)
+                         .map(([title, value]) => `${title}: ${shown(value)}`),
+                       ...(run.end === run.row.word ? [] : [run.row.word])],
+      csv: {heads: ["end", "scene", "method", "options",
+                    ...runColumns(runs[0]).map(([title]) => title), "in words"],
+            row: run => [run.end, run.one.scene, run.one.method, run.one.options,
+                         ...runColumns(run).map(([, value]) => value), run.row.word]},
       label: `Runs by their step, scene ${scene.name}; the table of methods tells the limits`,
     };
   };
@@ -125,20 +205,33 @@ const writeFindings = (() => {
     };
   };
 
-  const heightOf = strips => `${Math.max(9, 5 + 1.6 * strips.length)}rem`;
+  const heightOf = strips => `${Math.max(9, 5 + 1.75 * strips)}rem`;
+
+  const unscannedNote = findings => {
+    const rest = findings.filter(one => measured(one) && column(one, "step") === 0
+                                        && !one.rows.some(scanned));
+    return rest.length === 0 ? null : element("p", {className: "quiet"},
+      "They choose their own steps and stand in the table alone: "
+      + unique(rest.map(one => one.line.name)).join(", ") + ".");
+  };
 
   const writeStrips = (scene, section) => {
-    const strips = withSteps(scene.findings).map(one => ({name: nameOf(one), one}));
+    const named = shortNames(scene.findings);
+    const strips = withSteps(scene.findings).map(one => ({name: named(one), one}));
     if (!strips.length) return () => {};
-    return chartOf(section, "strips", `${scene.name} runs by step`, "How runs end, by their step",
-                   heightOf(strips), hidden => stripPlan(scene, strips, "", hidden));
+    section.append(element("h3", {}, "How runs end, by their step"));
+    const draw = chartOf(section, "strips", `${scene.name} runs by step`, "",
+                         heightOf(strips.length), hidden => stripPlan(scene, strips, "", hidden));
+    section.append(unscannedNote(scene.findings) || "");
+    return draw;
   };
 
   /* --- maps: the same over scenes that differ in a number of theirs --- */
 
   const letsOf = findings => unique(findings.flatMap(one =>
     one.quantities.filter(isLet).map(({name}) => name))).filter(name =>
-    unique(findings.map(one => (quantityOf(one, name) || {}).value)).length > 1);
+    unique(findings.map(one => quantityOf(one, name)).filter(Boolean).map(({value}) => value))
+      .length > 1);
 
   const writeMaps = (findings, section) => {
     const members = withSteps(findings), lets = letsOf(members);
@@ -160,7 +253,7 @@ const writeFindings = (() => {
                            choice("Rows by", "name", lets, lets[0])));
     const draw = chartOf(
       section, "map", "map over " + lets.join(" "), "How runs end, by step and " + lets.join(", "),
-      `${Math.max(9, 5 + 1.6 * most)}rem`,
+      heightOf(most),
       hidden => stripPlan({name: "map"}, strips(
         lines.find(line => line.name === lists.line.value), lists.name.value),
         lists.name.value, hidden));
@@ -171,86 +264,136 @@ const writeFindings = (() => {
   /* --- series over time --- */
 
   const withTimes = findings => findings.filter(one => column(one, "time") === 0 && one.rows.length);
+  const isError = ({name}) => /error/.test(name);
+  const shownAs = (value, errors) => (value === null || errors && value === 0 ? []
+    : [errors ? Math.abs(value) : value]);
 
-  const seriesPlan = (scene, one, hidden) => {
-    const errors = one.columns.slice(1).every(({name}) => /error/.test(name));
-    const lines = one.columns.slice(1).map((each, k) => ({
-      name: titleOf(each), look: lookOf(k),
-      points: one.rows.map(row => ({x: row.values[0], y: row.values[k + 1]}))
-        .filter(({y}) => y !== null && (!errors || y !== 0))
-        .map(({x, y}) => ({x, y: errors ? Math.abs(y) : y}))})).filter(({points}) => points.length);
-    if (!lines.length) return null;
-    const heights = lines.flatMap(({points}) => points.map(({y}) => y));
-    const title = errors ? "|energy error| / energy scale [1]"
-      : unique(lines.map(({name}) => name)).length === 1 ? lines[0].name : "";
+  /* The points of column k; an error of 0 has no place on a logarithmic axis. */
+  const seriesPoints = (one, k) => one.rows.flatMap(({values}) =>
+    shownAs(values[k], isError(one.columns[k])).map(y => ({x: values[0], y, one})));
+
+  /* `lines`: [{name, one, k}]. */
+  const seriesPlan = (scene, title, lines, hidden) => {
+    const drawn = lines.map(({name, one, k}, i) =>
+      ({name, look: lookOf(i), points: seriesPoints(one, k)})).filter(({points}) => points.length);
+    if (!drawn.length) return null;
+    const [{one, k}] = lines, unit = titleOf(one.columns[k]);
     return {
-      lines, hidden, radius: 1.5, marks: {},
-      x: linearX(titleOf(one.columns[0])), y: errors ? logY(title, heights) : linearX(title),
-      tooltip: point => [`time: ${shown(point.x)}`, shown(point.y)],
-      label: `Over time: ${nameOf(one)}, scene ${scene.name}`,
+      lines: drawn, hidden, radius: drawn.some(({points}) => points.length > 150) ? 0 : 1.5,
+      marks: {},
+      x: linearX(titleOf(one.columns[0])),
+      y: isError(one.columns[k]) ? logY(title, drawn.flatMap(each => each.points.map(({y}) => y)))
+                                 : linearX(title),
+      tooltip: point => [`time: ${shown(point.x)}`, `${title}: ${shown(point.y)}`,
+                         methodOf(point.one), "verdict: " + verdictOf(point.one)],
+      csv: {heads: ["line", "scene", "method", "options", titleOf(one.columns[0]), title],
+            row: (point, line) => [line, point.one.scene, point.one.method, point.one.options,
+                                   point.x, point.y]},
+      label: `${unit} over time, scene ${scene.name}`,
     };
+  };
+
+  /* Errors of one method, a line a level; of observables one, a line a method. */
+  const seriesChoices = (scene, members) => {
+    const named = shortNames(members);
+    if (members[0].columns.slice(1).every(isError))
+      return {words: "Method", title: () => "|energy error| / energy scale [1]",
+              choices: members.map(one => [one.key, `${nameOf(one)}: ${verdictOf(one)}`]),
+              lines: key => {
+                const one = members.find(each => each.key === key);
+                return one.columns.slice(1).map(({name}, k) => ({name, one, k: k + 1}));
+              }};
+    return {words: "Quantity", title: name => name,
+            choices: members[0].columns.slice(1).map(each => [titleOf(each), titleOf(each)]),
+            lines: title => members.map(one =>
+              ({name: named(one), one, k: one.columns.findIndex(each => titleOf(each) === title)}))
+              .filter(({k}) => k > 0)};
+  };
+
+  /* A list beside its words, and a chart beneath that is drawn anew by what it says. */
+  const chosenChart = (section, {heading, words, choices, start, name, saved, plan}) => {
+    const list = element("select", {}, optionList(choices, start || choices[0][0]));
+    section.append(element("h3", {}, heading), element("div", {className: "controls"},
+      element("label", {}, element("span", {}, words), list)));
+    const draw = chartOf(section, name, saved, "", "22rem", hidden => plan(list.value, hidden));
+    list.addEventListener("change", () => draw());
+    return draw;
   };
 
   const writeSeries = (scene, section) => {
     const members = withTimes(scene.findings);
     if (!members.length) return () => {};
-    const list = element("select", {}, optionList(
-      members.map(one => [one.key, `${nameOf(one)}: ${verdictOf(one)}`]), members[0].key));
-    section.append(element("div", {className: "controls"},
-                           element("label", {}, element("span", {}, "Method"), list)));
-    const draw = chartOf(section, "series", `${scene.name} over time`, "Over time", "22rem",
-                         hidden => seriesPlan(scene, members.find(one => one.key === list.value),
-                                              hidden));
-    list.addEventListener("change", () => draw());
-    return draw;
+    const {words, title, choices, lines} = seriesChoices(scene, members);
+    return chosenChart(section, {
+      heading: "Over time", words, choices, name: "series", saved: `${scene.name} over time`,
+      plan: (chosen, hidden) => seriesPlan(scene, title(chosen), lines(chosen), hidden)});
   };
 
   /* --- a quantity by step, a line a method, whiskers for what is known of it --- */
 
   const stepOf = one => Number((one.option || new Map()).get("step")) || 0;
+  const TOLD_FIRST = ["energy fluctuation"]; /* what a kind is about, where that is not its first */
+
+  const trendLines = (scene, members, name) => scene.lines.map(line => ({
+    name: line.name, look: lookOf(line.index),
+    points: members.filter(one => one.line === line && quantityOf(one, name))
+      .sort((a, b) => stepOf(a) - stepOf(b))
+      .map(one => {
+        const {value, low, high} = quantityOf(one, name);
+        return {x: stepOf(one), y: value, low, high, one};
+      }).filter(({y}) => y !== null)})).filter(({points}) => points.length);
+
+  /* Logarithmic where the values are all above 0 and far apart. */
+  const trendAxis = (title, points) => {
+    const values = points.map(({y}) => y), low = Math.min(...values), high = Math.max(...values);
+    if (low > 0 && high > 20 * low) return logY(title, values);
+    const ends = points.flatMap(point => [point.low, point.high]).filter(Number.isFinite);
+    return {...linearX(title), suggestedMin: Math.min(low, ...ends),
+            suggestedMax: Math.max(high, ...ends)};
+  };
+
+  const trendPlan = (scene, members, quantity, hidden) => {
+    const lines = trendLines(scene, members, quantity.name);
+    const points = lines.flatMap(each => each.points);
+    if (!points.length) return null;
+    const title = titleOf(quantity);
+    return {
+      lines, hidden, radius: 4.5, marks: {},
+      x: logX("step [time]", points.map(({x}) => x)), y: trendAxis(title, points),
+      tooltip: point => [`step: ${shown(point.x)}`,
+                         `${title}: ${interval({...point, value: point.y})}`,
+                         ...wholeCase(point.one)],
+      csv: {heads: ["line", "scene", "method", "options", "step [time]", title, "low", "high",
+                    "verdict"],
+            row: (point, line) => [line, point.one.scene, point.one.method, point.one.options,
+                                   point.x, point.y, point.low, point.high, verdictOf(point.one)]},
+      label: `${title} by step, scene ${scene.name}`,
+    };
+  };
 
   const writeTrend = (scene, section) => {
     const members = scene.findings.filter(one => measured(one) && stepOf(one) > 0);
     const names = verdictColumns(members).filter(quantity => !isLet(quantity));
     const steps = line => unique(members.filter(one => one.line === line).map(stepOf)).length;
     if (!names.length || !scene.lines.some(line => steps(line) > 1)) return () => {};
-    const list = element("select", {}, optionList(names.map(each => [each.name, titleOf(each)]),
-                                                  names[0].name));
-    section.append(element("div", {className: "controls"},
-                           element("label", {}, element("span", {}, "Quantity"), list)));
-    const draw = chartOf(section, "trend", `${scene.name} by step`, "By step", "22rem", hidden => {
-      const quantity = names.find(({name}) => name === list.value);
-      const lines = scene.lines.map(line => ({
-        name: line.name, look: lookOf(line.index),
-        points: members.filter(one => one.line === line && quantityOf(one, quantity.name))
-          .sort((a, b) => stepOf(a) - stepOf(b))
-          .map(one => {
-            const {value, low, high} = quantityOf(one, quantity.name);
-            return {x: stepOf(one), y: value, low, high, one};
-          }).filter(({y}) => y !== null)})).filter(({points}) => points.length);
-      const points = lines.flatMap(each => each.points);
-      if (!points.length) return null;
-      return {
-        lines, hidden, radius: 4.5, marks: {},
-        x: logX("step [time]", points.map(({x}) => x)), y: linearX(titleOf(quantity)),
-        tooltip: point => [point.one.label, interval({value: point.y, ...point}),
-                           verdictOf(point.one)],
-        label: `${titleOf(quantity)} by step, scene ${scene.name}`,
-      };
-    });
-    list.addEventListener("change", () => draw());
-    return draw;
+    return chosenChart(section, {
+      heading: "By step", words: "Quantity", name: "trend", saved: `${scene.name} by step`,
+      choices: names.map(each => [each.name, titleOf(each)]),
+      start: TOLD_FIRST.find(each => names.some(({name}) => name === each)),
+      plan: (chosen, hidden) =>
+        trendPlan(scene, members, names.find(({name}) => name === chosen), hidden)});
   };
 
   /* --- the page's share --- */
 
   /* Methods by scenes, where there are several of both. */
   const writeMatrix = (findings, section) => {
-    const sceneNames = unique(findings.map(one => one.scene)), names = unique(findings.map(nameOf));
+    const named = shortNames(findings);
+    const sceneNames = unique(findings.map(one => one.scene)), names = unique(findings.map(named));
     if (sceneNames.length < 2) return;
     const cell = (name, scene) => {
-      const one = findings.find(each => nameOf(each) === name && each.scene === scene);
-      return element("td", {title: one ? one.reason || one.message : ""}, one ? verdictMark(one) : "");
+      const one = findings.find(each => named(each) === name && each.scene === scene);
+      return element("td", {title: one ? said(one) : ""}, one ? verdictMark(one) : "");
     };
     section.append(
       element("h3", {}, "Methods by scenes"),
@@ -264,15 +407,16 @@ const writeFindings = (() => {
   const overview = findings => {
     const section = element("section", {id: "overview"});
     page.append(section);
-    writeMatrix(findings, section);
     writeMaps(findings, section);
+    writeMatrix(findings, section);
     if (section.childElementCount) section.prepend(element("h2", {}, "All scenes"));
     else section.remove();
   };
 
   const ofScene = (scene, section) => {
-    writeVerdicts(scene, section);
     const draws = [writeStrips, writeTrend, writeSeries].map(write => write(scene, section));
+    writeFailures(scene, section);
+    writeVerdicts(scene, section);
     for (const draw of draws) draw(); /* charts take their size from a page that is laid out */
   };
 

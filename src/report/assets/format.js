@@ -102,6 +102,5 @@ const caseLabel = (one, along) => {
   const stepping = isAdaptive(one) ? ["rtol"] : STEP_OPTIONS;
   let keys = along.filter(key => one.option.has(key));
   if (!keys.length) keys = stepping.filter(key => one.option.has(key)).slice(0, 1);
-  if (!keys.length) keys = [...one.option.keys()].slice(0, 1);
   return keys.map(key => optionText(key, one.option.get(key))).join(", ");
 };

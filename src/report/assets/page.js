@@ -93,11 +93,14 @@ const missedSentence = scene => {
           ` with ${scientific(asked.metric.value(closest))}.`].flat();
 };
 
+const sentence = text =>
+  text.charAt(0).toUpperCase() + text.slice(1) + (/[.?!]$/.test(text) ? "" : ".");
+
 /* Studies of other kinds: what each scene's answer says, in the words of the program. */
 const writeFound = () => {
   const box = element("section", {id: "answer", className: "answer"},
                       element("h2", {}, "The answer"));
-  for (const scene of scenes) box.append(element("p", {}, scene.answer));
+  for (const scene of scenes) box.append(element("p", {}, sentence(scene.answer)));
   page.append(box);
 };
 

@@ -384,7 +384,7 @@ const writePlayers = (() => {
   }), `speed ${film.speeds.map(speed => tickText(Number(speed.toPrecision(3)))).join(" to ")}`
      + (film.fastest > film.speeds[1] ? " and more" : "") + " [length/time]");
 
-  const makeLegend = film => {
+  const makeKey = film => {
     const box = element("div", {className: "legend"});
     const numbers = film.states.map(() => element("span", {}));
     const show = colour => box.replaceChildren(...{
@@ -402,7 +402,7 @@ const writePlayers = (() => {
     return {box, show, tally};
   };
 
-  /* --- energy error --- */
+  /* --- energies over time --- */
 
   const nearestFrame = (film, time) => {
     let low = 0, high = film.count - 1;
@@ -419,41 +419,40 @@ const writePlayers = (() => {
     return {...axis, min: film.time[0], max: film.time[film.count - 1]};
   };
 
-  /* A chart with a line at the time that is shown; a press on it goes there. */
-  const makeEnergy = (film, go) => {
-    const points = film.energy ? film.energy.map((y, k) => ({x: film.time[k], y}))
-      .filter(point => point.y > 0) : [];
+  /* A chart over time with an upright line at the frame that is shown; a press on it goes there.
+   * `plot`: {name, title, empty, y (axis), lines: [{name, look, points}]}. */
+  const makePlot = (film, go, plot) => {
     const holder = element("div", {className: "canvas"});
-    const figure = element("figure", {className: "energy"},
-                           element("figcaption", {}, "Energy error"), holder);
-    if (points.length < 2) {
+    const caption = element("figcaption", {}, plot.title);
+    const lines = plot.lines.filter(({points}) => points.length > 1);
+    if (!lines.length) {
       holder.classList.add("nothing");
-      holder.append(element("p", {className: "empty"}, film.energy
-        ? "The energy error is 0 in all but one frame at most." : "The file has no energy error."));
-      return {figure, draw: () => {}, mark: () => {}};
+      holder.append(element("p", {className: "empty"}, plot.empty));
+      return {figure: element("figure", {}, caption, holder), draw: () => {}, mark: () => {}};
     }
-    const canvas = element("canvas", {});
-    const cursor = element("div", {className: "cursor"});
-    canvas.dataset.chart = "player-energy";
+    const canvas = element("canvas", {}), cursor = element("div", {className: "cursor"});
+    canvas.dataset.chart = "player-" + plot.name;
     canvas.setAttribute("role", "img");
     holder.append(canvas, cursor);
     let chart = null;
-    const seek = event => {
-      const time = chart.scales.x.getValueForPixel(event.offsetX);
-      go(nearestFrame(film, time));
-    };
+    const legend = element("div", {});
+    const figure = element("figure", {}, caption, holder, legend,
+                           chartSaver(`${film.name} ${plot.title}`, () => chart));
+    const seek = event => go(nearestFrame(film, chart.scales.x.getValueForPixel(event.offsetX)));
     canvas.addEventListener("pointerdown", seek);
     canvas.addEventListener("pointermove", event => { if (event.buttons & 1) seek(event); });
     const draw = () => {
+      const hidden = new Set();
       chart = makeChart(canvas, {
-        lines: [{name: "energy error", look: lookOf(0), points}],
-        hidden: new Set(), radius: points.length > 150 ? 0 : 2,
-        x: timeAxis(film),
-        y: logY(METRIC, points.map(point => point.y)),
-        marks: {asked: null, floor: null},
-        tooltip: point => [`t = ${tickText(point.x)}`, scientific(point.y, 3)],
-        label: "Energy error against time",
+        lines, hidden, radius: film.count > 150 ? 0 : 2, x: timeAxis(film), y: plot.y(lines),
+        marks: {},
+        tooltip: point => [`t = ${tickText(point.x)}`, scientific(point.y, 4),
+                           `${film.method} ${film.options}`],
+        csv: {heads: ["line", "method", "options", "time [time]", plot.unit],
+              row: (point, line) => [line, film.method, film.options, point.x, point.y]},
+        label: plot.title + " against time",
       });
+      if (lines.length > 1) legend.append(makeLegend(lines, hidden, [chart], {}));
     };
     const put = frame => {
       const {chartArea: area, scales: {x}} = chart;
@@ -463,6 +462,35 @@ const writePlayers = (() => {
     };
     return {figure, draw, mark: put};
   };
+
+  const overTime = (film, values) =>
+    (values || []).map((y, k) => ({x: film.time[k], y})).filter(({y}) => y !== null);
+
+  const errorPlot = film => ({
+    name: "energy", title: "Energy error", unit: METRIC,
+    empty: film.energy ? "The energy error is 0 in all but one frame at most."
+                       : "The file has no energy error.",
+    y: ([{points}]) => logY(METRIC, points.map(point => point.y)),
+    lines: [{name: "energy error", look: lookOf(0),
+             points: overTime(film, film.energy).filter(({y}) => y > 0)}],
+  });
+
+  const ENERGY = "energy [energy]";
+
+  const energyPlot = film => {
+    const {kinetic, potential} = film;
+    const total = kinetic && potential && kinetic.map((value, k) =>
+      (value === null || potential[k] === null ? null : value + potential[k]));
+    const lines = [["kinetic", kinetic], ["potential", potential], ["kinetic + potential", total]];
+    return {
+      name: "parts", title: "Kinetic and potential energy", unit: ENERGY,
+      empty: "The file has no energies.",
+      y: () => linearX(ENERGY),
+      lines: lines.map(([name, values], k) =>
+        ({name, look: lookOf(k), points: overTime(film, values)})),
+    };
+  };
+
   /* --- controls --- */
 
   const labelled = (text, control) =>
@@ -519,7 +547,7 @@ const writePlayers = (() => {
     tell(player);
     if (player.colour === "state") player.legend.tally(frame);
     player.scrub.value = frame;
-    player.energy.mark(frame);
+    for (const plot of player.plots) plot.mark(frame);
   };
 
   const refit = player => {
@@ -635,15 +663,17 @@ const writePlayers = (() => {
       film, frame: 0, playing: false, speed: 1, last: null, part: 0, view: null, plane: PLANES.xy,
       mode: !film.walls && isSpread(film, PLANES.xy) ? "follow" : "all",
       colour: film.masses.length > 1 ? "mass" : "speed", arrows: false,
-      canvas: makeCanvas(film), told: element("p", {className: "told"}), legend: makeLegend(film),
+      canvas: makeCanvas(film), told: element("p", {className: "told"}), legend: makeKey(film),
     };
-    player.energy = makeEnergy(film, frame => stopAt(player, frame));
+    player.plots = [errorPlot, energyPlot].map(plot =>
+      makePlot(film, frame => stopAt(player, frame), plot(film)));
     const stage = element("div", {className: "stage"}, player.canvas, player.told,
                           makeTransport(player), makeChoices(player), player.legend.box);
     const key = keyboard(player);
-    root.append(stage, player.energy.figure);
+    root.append(stage, element("div", {className: "plots"},
+                               player.plots.map(({figure}) => figure)));
     root.addEventListener("keydown", key);
-    player.energy.draw(); /* the chart takes its size from a page that is laid out */
+    for (const plot of player.plots) plot.draw(); /* their size is of a page that is laid out */
     setColour(player, player.colour);
     refit(player);
     new ResizeObserver(() => refit(player)).observe(stage);
