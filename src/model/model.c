@@ -97,6 +97,13 @@ static dl_status fill_gravity(dl_model *model, dl_error *error) {
     return DL_OK;
 }
 
+/* What methods need not ask for at every step. */
+static void classify_force(dl_model *model) {
+    const bool alone = !model->kernel && model->has_gravity;
+    model->has_force = model->kernel || model->has_gravity;
+    model->is_uniform = alone && !model->priv->gravity_mask && !model->locates_hits;
+}
+
 /* Full blocks in which the pinned particles stand still. */
 static dl_status fill_pins(dl_model *model, dl_error *error) {
     if (!model->has_pins)
@@ -178,6 +185,7 @@ dl_status dl_model_create_part(const dl_scene *scene, dl_model *whole, dl_part w
         dl_model_free(made);
         return status;
     }
+    classify_force(made);
     *model = made;
     return DL_OK;
 }
