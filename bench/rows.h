@@ -28,7 +28,7 @@ typedef struct effort {
     double by_hand_moves; /* of a particle by a step, in one measurement */
 } effort;
 
-static const effort effort_full = {15, 0.01, 30000, 500, 2, 3e7};
+static const effort effort_full = {15, 0.01, 30000, 500, 2, 1e7};
 static const effort effort_quick = {2, 0.0005, 500, 20, 0, 1e5};
 
 /* A candidate for LAMMPS's settings and what came of it. */

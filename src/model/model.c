@@ -64,7 +64,7 @@ static dl_status fill_particles(dl_model *model, dl_error *error) {
     for (size_t k = 0; k < moving; k++)
         priv->inertia[k] = scene->inertia[priv->order[k]];
     if ((scene->keep & DL_KEEP_INERTIA) || !all_one(scene->inertia, priv->order, moving)) {
-        priv->inverse_inertia = malloc(moving * sizeof(double));
+        priv->inverse_inertia = malloc((moving + 1) * sizeof(double));
         if (!priv->inverse_inertia)
             return dl_fail_memory(error, "the model's inertias");
         for (size_t k = 0; k < moving; k++)
@@ -93,7 +93,7 @@ static dl_status fill_gravity(dl_model *model, dl_error *error) {
     const bool masked = (scene->keep & DL_KEEP_GRAVITY_MASK) || feel < model->moving;
     if (!model->has_gravity || !masked)
         return DL_OK;
-    double *mask = model->priv->gravity_mask = malloc(model->moving * sizeof(double));
+    double *mask = model->priv->gravity_mask = malloc((model->moving + 1) * sizeof(double));
     if (!mask)
         return dl_fail_memory(error, "the gravity mask");
     for (size_t k = 0; k < model->moving; k++)
