@@ -172,36 +172,6 @@ static dl_status add_gravity(dl_scene *scene, dl_error *error) {
     return DL_OK;
 }
 
-static dl_status keep_real_powers(dl_scene *scene, dl_error *error) {
-    (void)error;
-    scene->keep |= DL_KEEP_REAL_POWERS;
-    return DL_OK;
-}
-
-static dl_status keep_couplings(dl_scene *scene, dl_error *error) {
-    (void)error;
-    scene->keep |= DL_KEEP_COUPLING;
-    return DL_OK;
-}
-
-static dl_status keep_inertia(dl_scene *scene, dl_error *error) {
-    (void)error;
-    scene->keep |= DL_KEEP_INERTIA;
-    return DL_OK;
-}
-
-static dl_status keep_mask(dl_scene *scene, dl_error *error) {
-    (void)error;
-    scene->keep |= DL_KEEP_GRAVITY_MASK;
-    return DL_OK;
-}
-
-static dl_status keep_pins(dl_scene *scene, dl_error *error) {
-    (void)error;
-    scene->keep |= DL_KEEP_PINS;
-    return DL_OK;
-}
-
 /* --- what surrounds them ---------------------------------------------------------------------- */
 
 static dl_status add_walls(dl_scene *scene, dl_error *error) {
@@ -232,27 +202,27 @@ static dl_status add_radiation(dl_scene *scene, dl_error *error) {
 }
 
 static dl_status (*const additions[DL_LEFT_OUTS])(dl_scene *scene, dl_error *error) = {
-    [DL_OUT_PAIRS] = add_pairs,
-    [DL_OUT_Z] = add_z,
-    [DL_OUT_REAL_POWERS] = keep_real_powers,
-    [DL_OUT_SWITCHES] = add_switches,
-    [DL_OUT_CUTOFF] = add_cutoff,
-    [DL_OUT_CROSSINGS] = add_crossings,
-    [DL_OUT_SPECIES] = add_species,
-    [DL_OUT_COUPLINGS] = keep_couplings,
-    [DL_OUT_INERTIA] = keep_inertia,
-    [DL_OUT_GRAVITY] = add_gravity,
-    [DL_OUT_GRAVITY_MASK] = keep_mask,
-    [DL_OUT_WALLS] = add_walls,
-    [DL_OUT_PERIODS] = add_periods,
-    [DL_OUT_RADIATION] = add_radiation,
-    [DL_OUT_PINS] = keep_pins,
+    [DL_OUT_PAIRS] = add_pairs,         [DL_OUT_Z] = add_z,
+    [DL_OUT_SWITCHES] = add_switches,   [DL_OUT_CUTOFF] = add_cutoff,
+    [DL_OUT_CROSSINGS] = add_crossings, [DL_OUT_SPECIES] = add_species,
+    [DL_OUT_GRAVITY] = add_gravity,     [DL_OUT_WALLS] = add_walls,
+    [DL_OUT_PERIODS] = add_periods,     [DL_OUT_RADIATION] = add_radiation,
+};
+
+/* What the model itself keeps when it is told to. */
+static const unsigned kept[DL_LEFT_OUTS] = {
+    [DL_OUT_REAL_POWERS] = DL_KEEP_REAL_POWERS,
+    [DL_OUT_COUPLINGS] = DL_KEEP_COUPLING,
+    [DL_OUT_INERTIA] = DL_KEEP_INERTIA,
+    [DL_OUT_GRAVITY_MASK] = DL_KEEP_GRAVITY_MASK,
+    [DL_OUT_PINS] = DL_KEEP_PINS,
 };
 
 bool dl_can_add(dl_left_out what) {
-    return additions[what];
+    return additions[what] || kept[what];
 }
 
 dl_status dl_scene_add_neutral(dl_scene *scene, dl_left_out what, dl_error *error) {
-    return additions[what](scene, error);
+    scene->keep |= kept[what];
+    return additions[what] ? additions[what](scene, error) : DL_OK;
 }
