@@ -1,5 +1,6 @@
 /* Leap-frog on the settled fluid of TR323 and the swirl forces of TR299 by the clock, for every
- * instruction set and kernel, and LAMMPS beside them where it is installed. */
+ * instruction set and kernel, and LAMMPS beside them where it is installed; and scenes that lack
+ * something beside loops written by hand for them. */
 #define _GNU_SOURCE /* sched_setaffinity */
 #include <errno.h>
 #include <getopt.h>
@@ -14,13 +15,17 @@
 
 static const char usage[] =
     "usage: bench_force [--quick] [--json] [--readme FILE]\n"
-    "       bench_force --loop fluid|swirl [--isa plain|avx2|avx512] [--count N]\n"
+    "       bench_force --loop NAME [--isa plain|avx2|avx512] [--count N]\n"
     "\n"
     "  --quick        a smoke run of seconds; its times mean nothing\n"
     "  --json         one JSON object instead of the table\n"
     "  --readme FILE  writes what was measured to FILE as well\n"
-    "  --loop NAME    only runs the loop N times, for an instruction counter: leap-frog steps of\n"
-    "                 the settled fluid, or swirl forces; prints its units and the build\n";
+    "  --loop NAME    only runs the loop N times, for an instruction counter: steps of fluid, "
+    "free,\n"
+    "                 free-verlet, falling or stream, or of the loops by hand beside them\n"
+    "                 (free-by-hand, falling-by-hand, stream-by-hand), or swirl's forces; prints "
+    "its\n"
+    "                 units and the build\n";
 
 typedef struct settings {
     bool quick, json, help;
@@ -94,31 +99,52 @@ static bool sanitised(void) {
 
 /* --- one loop, for an instruction counter ---------------------------------------------------- */
 
-static dl_status loop_fluid(const settings *set, double *units, dl_error *error) {
-    dl_scene *scene = NULL;
-    dl_run_summary summary;
-    dl_status status = dl_scene_read(DL_STUDIES "/drop/settled.yaml", &scene, error);
-    if (status)
-        return status;
-    status = ours_leapfrog(scene, set->count, &summary, NULL, error);
-    *units = (double)(scene->particles * set->count);
-    dl_scene_free(scene);
+/* Steps of a scene by a method, or by a loop that is written for it. */
+typedef struct counted_loop {
+    const char *name, *scene, *method;
+    by_hand_loop *by_hand;
+} counted_loop;
+
+static const counted_loop loops[] = {
+    {"fluid", DL_STUDIES "/drop/settled.yaml", "leapfrog", NULL},
+    {"free", DL_STUDIES "/leave-outs/free.yaml", "leapfrog", NULL},
+    {"free-verlet", DL_STUDIES "/leave-outs/free.yaml", "composition-2-verlet", NULL},
+    {"free-by-hand", DL_STUDIES "/leave-outs/free.yaml", NULL, by_hand_free},
+    {"falling", DL_STUDIES "/leave-outs/falling.yaml", "leapfrog", NULL},
+    {"falling-by-hand", DL_STUDIES "/leave-outs/falling.yaml", NULL, by_hand_falling},
+    {"stream", DL_STUDIES "/stream/stream.yaml", "leapfrog", NULL},
+    {"stream-by-hand", DL_STUDIES "/stream/stream.yaml", NULL, by_hand_stream},
+    {"swirl", DL_STUDIES "/swirl/swirl.yaml", NULL, NULL}, /* forces */
+};
+
+static dl_status loop_forces(const dl_scene *scene, size_t count, dl_error *error) {
+    ours_force force = {NULL, NULL, NULL, 0};
+    double seconds = 0;
+    dl_status status = ours_force_create(scene, &force, error);
+    force.calls = count;
+    if (!status)
+        status = ours_force_measure(&force, &seconds, error);
+    ours_force_release(&force);
     return status;
 }
 
-static dl_status loop_swirl(const settings *set, double *units, dl_error *error) {
+static dl_status loop_run(const counted_loop *loop, size_t count, double *units, dl_error *error) {
     dl_scene *scene = NULL;
-    ours_force force = {NULL, NULL, NULL, 0};
-    double seconds = 0;
-    dl_status status = dl_scene_read(DL_STUDIES "/swirl/swirl.yaml", &scene, error);
+    dl_run_summary summary;
+    double seconds;
+    dl_status status = dl_scene_read(loop->scene, &scene, error);
     if (status)
         return status;
-    status = ours_force_create(scene, &force, error);
-    force.calls = set->count;
-    if (!status)
-        status = ours_force_measure(&force, &seconds, error);
-    *units = (double)(scene->particles * (scene->particles - 1) * set->count);
-    ours_force_release(&force);
+    const size_t n = scene->particles;
+    *units = (double)(n * count);
+    if (loop->by_hand)
+        status = by_hand_run(scene, loop->by_hand, count, &seconds, NULL, error);
+    else if (loop->method)
+        status = ours_run(scene, loop->method, count, &summary, NULL, error);
+    else {
+        status = loop_forces(scene, count, error);
+        *units *= (double)(n - 1); /* ordered pairs */
+    }
     dl_scene_free(scene);
     return status;
 }
@@ -126,16 +152,22 @@ static dl_status loop_swirl(const settings *set, double *units, dl_error *error)
 static int run_loop(const settings *set) {
     dl_error error = {""};
     double units = 0;
-    const bool fluid = strcmp(set->loop, "fluid") == 0;
-    if (!fluid && strcmp(set->loop, "swirl") != 0) {
-        fprintf(stderr, "bench_force: --loop: found \"%s\", expected fluid or swirl\n", set->loop);
+    const counted_loop *loop = NULL;
+    for (size_t k = 0; k < sizeof loops / sizeof *loops; k++)
+        if (strcmp(set->loop, loops[k].name) == 0)
+            loop = &loops[k];
+    if (!loop) {
+        fprintf(stderr, "bench_force: --loop: found \"%s\", expected one of", set->loop);
+        for (size_t k = 0; k < sizeof loops / sizeof *loops; k++)
+            fprintf(stderr, " %s", loops[k].name);
+        fprintf(stderr, "\n");
         return 2;
     }
     if (!dl_vector_force(set->isa)) {
         fprintf(stderr, "bench_force: --isa: \"%s\" cannot run here\n", set->isa);
         return 2;
     }
-    if ((fluid ? loop_fluid : loop_swirl)(set, &units, &error)) {
+    if (loop_run(loop, set->count, &units, &error)) {
         fprintf(stderr, "bench_force: %s\n", error.message);
         return 1;
     }

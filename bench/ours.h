@@ -8,17 +8,17 @@
 #include "force/kernel.h"
 #include "observe/stopwatch.h"
 
-/* Leap-frog for `steps` steps from the scene's initial state, nothing observed. *seconds: of the
- * integration alone. y_final [4 * particles] or NULL. */
-static dl_status ours_leapfrog(const dl_scene *scene, size_t steps, dl_run_summary *summary,
-                               double *y_final, dl_error *error) {
+/* A method of fixed step for `steps` steps from the scene's initial state, nothing observed.
+ * summary->cpu_seconds: of the integration alone. y_final [4 * particles] or NULL. */
+static dl_status ours_run(const dl_scene *scene, const char *method, size_t steps,
+                          dl_run_summary *summary, double *y_final, dl_error *error) {
     const dl_method_row *row = NULL;
     void *options = NULL;
     dl_run_options run;
     dl_run_options_default(&run);
     run.observe = false;
     run.end = run.sample = (double)steps * scene->step;
-    dl_status status = dl_method_find("leapfrog", &row, error);
+    dl_status status = dl_method_find(method, &row, error);
     if (!status)
         status = dl_method_options_create(row, scene, &options, error);
     if (!status)

@@ -5,23 +5,31 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include "by_hand.h"
 #include "driftlab/scene.h"
 #include "force/vector_ops.h"
 #include "lammps.h"
 #include "ours.h"
 #include "samples.h"
 
-enum { BENCH_MAX_ROWS = 32, BENCH_MAX_TRIALS = 32, BENCH_SCENES = 3, BENCH_PEERS = 2 };
+enum {
+    BENCH_MAX_ROWS = 32,
+    BENCH_MAX_TRIALS = 32,
+    BENCH_SCENES = 5,
+    BENCH_KERNEL_SCENES = 3,
+    BENCH_PEERS = 2
+};
 
 typedef struct effort {
     size_t repeats;
     double force_seconds; /* of one measurement of a force */
     size_t fluid_steps, swirl_steps;
-    size_t scan_repeats; /* of each candidate of LAMMPS; 0: the first that is equal physics */
+    size_t scan_repeats;  /* of each candidate of LAMMPS; 0: the first that is equal physics */
+    double by_hand_moves; /* of a particle by a step, in one measurement */
 } effort;
 
-static const effort effort_full = {15, 0.01, 30000, 500, 2};
-static const effort effort_quick = {2, 0.0005, 500, 20, 0};
+static const effort effort_full = {15, 0.01, 30000, 500, 2, 1e7};
+static const effort effort_quick = {2, 0.0005, 500, 20, 0, 1e5};
 
 /* A candidate for LAMMPS's settings and what came of it. */
 typedef struct trial {
@@ -50,7 +58,9 @@ typedef struct bench_row {
     dl_scene *scene;
     dl_kernel_choice kernel;
     const char *isa;
-    size_t steps;                /* of leap-frog; 0: force evaluations */
+    size_t steps; /* of `method`; 0: force evaluations */
+    const char *method;
+    by_hand_loop *by_hand;       /* in the place of the method; NULL: not */
     double units;                /* in a run or an evaluation */
     double target, target_ratio; /* ns a unit at most, ratio at least; 0: none */
     ours_force force;
@@ -97,10 +107,13 @@ static dl_status row_prepare(bench_row *row, dl_error *error) {
 
 static dl_status row_measure(const bench_row *row, double *nanoseconds, dl_error *error) {
     dl_status status;
-    if (row->steps) {
+    if (row->by_hand) {
+        status = by_hand_run(row->scene, row->by_hand, row->steps, nanoseconds, NULL, error);
+        *nanoseconds *= 1e9 / row->units;
+    } else if (row->steps) {
         dl_run_summary summary;
         dl_vector_force(row->isa);
-        status = ours_leapfrog(row->scene, row->steps, &summary, NULL, error);
+        status = ours_run(row->scene, row->method, row->steps, &summary, NULL, error);
         dl_vector_force(NULL);
         *nanoseconds = summary.cpu_seconds * 1e9 / row->units;
     } else {
@@ -172,6 +185,7 @@ static dl_status add_fluid(bench *all, dl_scene *scene, dl_error *error) {
                             .unit = "ns/particle/step",
                             .scene = scene,
                             .steps = steps,
+                            .method = "leapfrog",
                             .units = units,
                             .target = 14,
                             .target_ratio = 29.0 / 14};
@@ -198,10 +212,50 @@ static dl_status add_swirl(bench *all, dl_scene *scene, dl_error *error) {
     return status;
 }
 
+/* --- what is left out ----------------------------------------------------------------------- */
+
+/* A loop written by hand for the scene, and methods beside it. */
+typedef struct by_hand_case {
+    const char *what;
+    int scene; /* place in the benchmark's */
+    by_hand_loop *loop;
+    const char *method[3]; /* NULL-terminated */
+} by_hand_case;
+
+static const by_hand_case by_hand_cases[] = {
+    {"nothing acts", 3, by_hand_free, {"leapfrog", "composition-2-verlet"}},
+    {"gravity alone", 4, by_hand_falling, {"leapfrog"}},
+    {"no walls, stream", 2, by_hand_stream, {"leapfrog"}},
+};
+
+static void add_by_hand(bench *all, const by_hand_case *one) {
+    dl_scene *scene = all->scene[one->scene];
+    const bench_row *hand = &all->row[all->rows];
+    const size_t steps = (size_t)(all->effort.by_hand_moves / (double)scene->particles) + 1;
+    bench_row row = {.what = one->what,
+                     .unit = "ns/particle/step",
+                     .how = "a loop by hand",
+                     .scene = scene,
+                     .steps = steps,
+                     .by_hand = one->loop,
+                     .units = (double)(steps * scene->particles)};
+    all->row[all->rows++] = row;
+    row.by_hand = NULL;
+    row.baseline = &hand->times;
+    row.baseline_name = hand->how;
+    row.target_ratio = 1 / 1.05;
+    for (int k = 0; one->method[k]; k++) {
+        row.method = one->method[k];
+        snprintf(row.how, sizeof row.how, "%s", row.method);
+        all->row[all->rows++] = row;
+    }
+}
+
 static dl_status bench_read_scenes(bench *all, dl_error *error) {
-    static const char *const file[BENCH_SCENES] = {DL_STUDIES "/drop/settled.yaml",
-                                                   DL_STUDIES "/swirl/swirl.yaml",
-                                                   DL_STUDIES "/stream/stream.yaml"};
+    static const char *const file[BENCH_SCENES] = {
+        DL_STUDIES "/drop/settled.yaml", DL_STUDIES "/swirl/swirl.yaml",
+        DL_STUDIES "/stream/stream.yaml", DL_STUDIES "/leave-outs/free.yaml",
+        DL_STUDIES "/leave-outs/falling.yaml"};
     dl_status status = DL_OK;
     for (size_t k = 0; k < BENCH_SCENES && !status; k++)
         status = dl_scene_read(file[k], &all->scene[k], error);
@@ -217,8 +271,10 @@ static dl_status bench_create(bench *all, effort how_long, dl_error *error) {
         status = add_fluid(all, all->scene[0], error);
     if (!status)
         status = add_swirl(all, all->scene[1], error);
-    for (size_t k = 0; k < BENCH_SCENES && !status; k++)
+    for (size_t k = 0; k < BENCH_KERNEL_SCENES && !status; k++)
         status = add_kernel_rows(all, all->scene[k], error);
+    for (size_t k = 0; k < sizeof by_hand_cases / sizeof *by_hand_cases && !status; k++)
+        add_by_hand(all, &by_hand_cases[k]);
     return status;
 }
 
@@ -322,7 +378,7 @@ static dl_status fluid_end(peer *lammps, dl_error *error) {
     double *y = malloc(4 * scene->particles * sizeof *y);
     if (!y)
         return dl_fail_memory(error, "a final state");
-    const dl_status status = ours_leapfrog(scene, lammps->job.steps, &summary, y, error);
+    const dl_status status = ours_run(scene, "leapfrog", lammps->job.steps, &summary, y, error);
     lammps->our_kinetic = ours_kinetic(scene, y);
     lammps->our_builds = summary.neighbour_list_builds;
     free(y);

@@ -19,7 +19,8 @@ mkdir "$work/tmp"
 TMPDIR=$work/tmp "$bench" --quick --readme "$work/readme" >"$work/table"
 [ -z "$(ls -A "$work/tmp")" ] || fail "files were left in TMPDIR"
 for text in 'leap-frog, settled fluid' 'forces, swirl' 'ns/particle/step' 'ns/ordered pair' \
-    '(chosen)' '<= 14:' '<= 1:' 'the reference kernel' 'neighbour-list, plain' LAMMPS; do
+    '(chosen)' '<= 14:' '<= 1:' 'the reference kernel' 'neighbour-list, plain' LAMMPS \
+    'nothing acts' 'gravity alone' 'no walls, stream' 'a loop by hand' 'ratio >= 0.95:'; do
     expect "$work/table" "$text"
     expect "$work/readme" "$text"
 done
@@ -43,6 +44,10 @@ done
 expect "$work/loop" 'loop fluid isa plain units 834 '
 "$bench" --loop swirl --isa plain --count 2 >"$work/loop"
 expect "$work/loop" 'loop swirl isa plain units 113764 '
+for loop in free free-verlet free-by-hand falling falling-by-hand; do
+    "$bench" --loop "$loop" --isa plain --count 2 >"$work/loop"
+    expect "$work/loop" "loop $loop isa plain units 2000 "
+done
 
 # Refused, with status 2.
 for arguments in '--nonsense' '--loop nonsense' '--loop fluid --isa nonsense' '--count 0' 'x'; do

@@ -74,6 +74,7 @@ static void help_everywhere(void **state) {
     expect_text("--version", "HDF5");
     expect_text("run --version", "driftlab ");
     expect_text("explain " DROP, "neighbour");
+    expect_text("explain " DL_STUDIES "/kepler/kepler.yaml --cost --repeats 1 --seconds 1e-4", "| everything |");
     expect_text("list kernels", "neighbour-list");
     expect_text("list statuses", "nonlinear-failure");
     assert_int_equal(driftlab("")->exit, 2);
@@ -133,6 +134,8 @@ static void bad_input_writes_nothing(void **state) {
         {"help method leapforg", "did you mean \"leapfrog\"?"},
         {"explain nowhere.yaml", "nowhere.yaml"},
         {"explain " DROP " --let speed=1", "the scene has no `let`"},
+        {"explain " DROP " --json", "--json: found without --cost"},
+        {"explain " DROP " --cost --repeats 0", "repeats"},
         {"explain " DROP " --let speed", "expected NAME=NUMBER"},
         {"map " DROP " --over speed", "expected a results file"},
         {"map " DROP, "--over: found none"},

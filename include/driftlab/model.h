@@ -15,7 +15,8 @@
 #include "driftlab/scene.h"
 #include "driftlab/status.h"
 
-/* Work done, counted where it is done. */
+/* Work done, counted where it is done: leap-frog and the splittings have no force to evaluate where
+ * none acts or gravity alone does. */
 typedef struct dl_counts {
     unsigned long force;           /* accelerations, discrete ones included */
     unsigned long jacobian;        /* matrices of d a / d q, discrete ones included */
@@ -57,6 +58,10 @@ struct dl_model {
     bool has_radiation;
     bool has_gravity;
     bool has_pins;
+    bool has_force;  /* pair forces or gravity; without, accelerations are 0 wherever particles are:
+                      * methods may leave them out, and what is not evaluated is not counted */
+    bool is_uniform; /* gravity alone, on all that move, and nothing rests on walls: accelerations
+                      * are scene->gravity; the same holds */
     bool locates_hits;      /* on walls, and */
     bool locates_crossings; /* of breakpoints: steps begin and end at any time */
     dl_mean mean;

@@ -98,6 +98,16 @@ typedef enum dl_kernel_choice {
     DL_KERNEL_NEIGHBOUR_LIST,
 } dl_kernel_choice;
 
+/* Arrays that a model is to have although every number in them is neutral, and powers that it is to
+ * take as real ones: what leaving them out saves is measured so (driftlab/leave_outs.h). */
+enum {
+    DL_KEEP_INERTIA = 1 << 0,
+    DL_KEEP_COUPLING = 1 << 1,
+    DL_KEEP_GRAVITY_MASK = 1 << 2,
+    DL_KEEP_PINS = 1 << 3, /* the blocks of all particles beside those of the moving ones */
+    DL_KEEP_REAL_POWERS = 1 << 4,
+};
+
 /* A number by name, which values of the file stand for as $NAME. */
 typedef struct dl_named_number {
     char name[32];
@@ -131,7 +141,8 @@ typedef struct dl_scene {
     double end;    /* integration runs from t = 0 to here */
     double sample; /* time between samples; 0: chosen by the run */
     dl_kernel_choice kernel;
-    double skin; /* of the neighbour list, a length; 0: chosen */
+    double skin;   /* of the neighbour list, a length; 0: chosen */
+    unsigned keep; /* DL_KEEP_*; no file says it, 0 */
 } dl_scene;
 
 /* Reads and validates a scene. Paths in it are relative to the scene's own folder. On failure

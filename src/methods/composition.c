@@ -1,11 +1,14 @@
 /* One step of a splitting: kicks and drifts by turns, exact flows of the two parts of q'' = a(q).
  *
  * Kicks and drifts conserve both momenta and are symplectic, and so is every step made of them. The
- * force of a kick that ends a step is that of the kick that begins the next. */
+ * force of a kick that ends a step is that of the kick that begins the next. Where nothing acts
+ * there is no kick between the drifts and they are one; where gravity alone does there is nothing
+ * to evaluate. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "methods/compensated.h"
+#include "methods/motion.h"
 #include "methods/options.h"
 #include "methods/registry.h"
 #include "methods/splitting.h"
@@ -25,7 +28,7 @@ const dl_parameter dl_splitting_parameters[2] = {
 
 typedef struct composition {
     dl_splitting splitting;
-    double *a;            /* [unknowns] */
+    double *a;            /* [unknowns]; NULL: there is nothing to evaluate, and nothing fails */
     double *work;         /* [2 unknowns]: the state between stages; a failure leaves y alone */
     double *lost;         /* [2 unknowns]: what y has rounded off; NULL: not kept */
     double *lost_between; /* [2 unknowns]: the same between stages */
@@ -72,14 +75,6 @@ void dl_splitting_expand(const dl_splitting_table *table, dl_splitting *splittin
 /* --- a step ------------------------------------------------------------------------------------
  */
 
-static void kick_and_drift(size_t n, double kick, double drift, const double *restrict a,
-                           double *restrict q, double *restrict v) {
-    for (size_t i = 0; i < n; i++) {
-        v[i] += kick * a[i];
-        q[i] += drift * v[i];
-    }
-}
-
 static void compensated_kick_and_drift(size_t n, double kick, double drift, const double *a,
                                        double *y, double *lost) {
     for (size_t i = 0; i < n; i++) {
@@ -92,11 +87,29 @@ static void move(const composition *data, size_t n, double kick, double drift) {
     if (data->lost)
         compensated_kick_and_drift(n, kick, drift, data->a, data->work, data->lost_between);
     else
-        kick_and_drift(n, kick, drift, data->a, data->work, data->work + n);
+        dl_kick_and_drift(n, kick, drift, data->a, data->work, data->work + n);
 }
 
-static dl_status composition_advance(dl_method *method, double t_stop, dl_error *error) {
-    (void)t_stop;
+static void advance_straight(dl_method *method) {
+    const composition *const data = method->data;
+    const size_t n = method->n;
+    double *const y = method->y;
+    if (!data->lost)
+        dl_drift(n, method->step, y, y + n);
+    for (size_t i = 0; data->lost && i < n; i++)
+        dl_compensated_add(&y[i], &data->lost[i], method->step * y[n + i]);
+}
+
+static void advance_falling(dl_method *method) {
+    const dl_splitting *const splitting = &((const composition *)method->data)->splitting;
+    const double h = method->step;
+    for (int i = 0; i <= splitting->drifts; i++)
+        dl_fall(method->model, splitting->kick[i] * h,
+                i < splitting->drifts ? splitting->drift[i] * h : 0, method->y,
+                method->y + method->n);
+}
+
+static dl_status advance_by_stages(dl_method *method, dl_error *error) {
     composition *const data = method->data;
     const dl_splitting *const splitting = &data->splitting;
     const int last = splitting->drifts;
@@ -129,6 +142,20 @@ static dl_status composition_advance(dl_method *method, double t_stop, dl_error 
     memcpy(method->y, data->work, bytes);
     if (data->lost)
         memcpy(data->lost, data->lost_between, bytes);
+    return DL_OK;
+}
+
+static dl_status composition_advance(dl_method *method, double t_stop, dl_error *error) {
+    (void)t_stop;
+    composition *const data = method->data;
+    if (data->a) {
+        const dl_status status = advance_by_stages(method, error);
+        if (status)
+            return status;
+    } else if (method->model->is_uniform)
+        advance_falling(method);
+    else
+        advance_straight(method);
     data->steps++;
     dl_method_count_step(method);
     return DL_OK;
@@ -145,13 +172,15 @@ static dl_status composition_create(dl_method *method, dl_error *error) {
     if (!data)
         return dl_fail_memory(error, "a composition method");
     dl_splitting_expand(method->row->variant, &data->splitting);
+    if (options->compensated && !(data->lost = calloc(2 * n, sizeof *data->lost)))
+        return dl_fail_memory(error, "what a composition rounds off");
+    if (!method->model->has_force || (method->model->is_uniform && !options->compensated))
+        return DL_OK;
     data->a = malloc(n * sizeof *data->a);
     data->work = malloc(2 * n * sizeof *data->work);
-    if (options->compensated) {
-        data->lost = calloc(2 * n, sizeof *data->lost);
+    if (options->compensated)
         data->lost_between = malloc(2 * n * sizeof *data->lost_between);
-    }
-    return data->a && data->work && (!options->compensated || (data->lost && data->lost_between))
+    return data->a && data->work && (!options->compensated || data->lost_between)
                ? DL_OK
                : dl_fail_memory(error, "a composition's stages");
 }

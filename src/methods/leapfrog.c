@@ -8,12 +8,16 @@
  * After the first step the velocities in y are half a step behind the positions; the velocity at
  * t_k is the mean of its half-step neighbours, v_k = v_{k-1/2} + (h/2) a_k.
  *
+ * Where nothing acts a step is its drift alone, and where gravity alone does there is nothing to
+ * evaluate.
+ *
  * Where hits or crossings are located a step may be of any length and begin or end at one. There y
  * holds v_k: a step begins and ends with half a kick, and the positions are the same but for
  * roundoff. */
 #include <stdlib.h>
 #include <string.h>
 
+#include "methods/motion.h"
 #include "methods/options.h"
 #include "methods/registry.h"
 
@@ -24,7 +28,7 @@ typedef struct leapfrog_options {
 static const dl_parameter options[] = {DL_OPTION_FIXED_STEP(leapfrog_options)};
 
 typedef struct leapfrog {
-    double *a;        /* [unknowns] */
+    double *a;        /* [unknowns]; NULL: there is nothing to evaluate */
     double *next;     /* [2 unknowns]: a synchronous step's end, so that a failure leaves y alone */
     bool synchronous; /* y holds the velocities at its own time */
     bool a_is_current; /* and a the acceleration at y */
@@ -36,21 +40,16 @@ static dl_status leapfrog_create(dl_method *method, dl_error *error) {
     leapfrog *const data = method->data = calloc(1, sizeof *data);
     if (!data)
         return dl_fail_memory(error, "leap-frog");
-    data->synchronous = method->model->locates_hits || method->model->locates_crossings;
+    const dl_model *const model = method->model;
+    if (!model->has_force || model->is_uniform)
+        return DL_OK;
+    data->synchronous = model->locates_hits || model->locates_crossings;
     data->a = malloc(method->n * sizeof *data->a);
     if (data->synchronous)
         data->next = malloc(2 * method->n * sizeof *data->next);
     return data->a && (data->next || !data->synchronous)
                ? DL_OK
                : dl_fail_memory(error, "leap-frog's accelerations");
-}
-
-static void kick_and_drift(size_t n, double kick, double drift, const double *restrict a,
-                           double *restrict q, double *restrict v) {
-    for (size_t i = 0; i < n; i++) {
-        v[i] += kick * a[i];
-        q[i] += drift * v[i];
-    }
 }
 
 static dl_status advance_synchronous(dl_method *method, dl_error *error) {
@@ -65,11 +64,11 @@ static dl_status advance_synchronous(dl_method *method, dl_error *error) {
         return status;
     data->a_is_current = false;
     memcpy(data->next, method->y, 2 * n * sizeof *data->next);
-    kick_and_drift(n, h / 2, h, data->a, data->next, v);
+    dl_kick_and_drift(n, h / 2, h, data->a, data->next, v);
     status = dl_model_acceleration(method->model, data->next, data->a, error);
     if (status)
         return status;
-    kick_and_drift(n, h / 2, 0, data->a, data->next, v);
+    dl_kick_and_drift(n, h / 2, 0, data->a, data->next, v);
     memcpy(method->y, data->next, 2 * n * sizeof *data->next);
     data->a_is_current = true;
     data->steps++;
@@ -82,12 +81,17 @@ static dl_status leapfrog_advance(dl_method *method, double t_stop, dl_error *er
     leapfrog *const data = method->data;
     if (data->synchronous)
         return advance_synchronous(method, error);
-    const double h = method->step;
+    const double h = method->step, kick = data->steps ? h : h / 2;
     double *const q = method->y, *const v = method->y + method->n;
-    const dl_status status = dl_model_acceleration(method->model, q, data->a, error);
-    if (status)
-        return status;
-    kick_and_drift(method->n, data->steps ? h : h / 2, h, data->a, q, v);
+    if (data->a) {
+        const dl_status status = dl_model_acceleration(method->model, q, data->a, error);
+        if (status)
+            return status;
+        dl_kick_and_drift(method->n, kick, h, data->a, q, v);
+    } else if (method->model->is_uniform)
+        dl_fall(method->model, kick, h, q, v);
+    else
+        dl_drift(method->n, h, q, v);
     data->steps++;
     dl_method_count_step(method);
     return DL_OK;
@@ -97,8 +101,12 @@ static dl_status leapfrog_state(dl_method *method, double *y_out, dl_error *erro
     leapfrog *const data = method->data;
     const size_t n = method->n;
     memcpy(y_out, method->y, 2 * n * sizeof *y_out);
-    if (data->steps == 0 || data->synchronous)
+    if (data->steps == 0 || data->synchronous || !method->model->has_force)
         return DL_OK;
+    if (method->model->is_uniform) {
+        dl_fall(method->model, method->step / 2, 0, y_out, y_out + n);
+        return DL_OK;
+    }
     const dl_counts counts = method->model->counts;
     const dl_status status = dl_model_acceleration(method->model, method->y, data->a, error);
     method->model->counts = counts;

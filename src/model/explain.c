@@ -292,33 +292,67 @@ static int most_pieces(const dl_model *model) {
     return most;
 }
 
-/* The things that are not there: not computed, not stored, not branched on. */
-static void explain_absent(const dl_model *model, FILE *out) {
-    const struct {
-        bool absent;
-        const char *what;
-    } terms[] = {
-        {!model->kernel, "pair forces"},
-        {model->dimension == 2, "z components"},
-        {model->kernel && most_pieces(model) == 1, "switches of the pair law"},
-        {model->kernel && isinf(model->priv->problem.reach), "cutoff"},
-        {model->kernel && !model->locates_crossings, "location of crossings"},
-        {model->kernel && !model->priv->species_of, "laws by species"},
-        {model->kernel && !model->priv->coupling, "couplings (all 1)"},
-        {!model->priv->inverse_inertia, "division by inertia (all 1)"},
-        {!model->has_gravity, "gravity"},
-        {model->has_gravity && !model->priv->gravity_mask, "gravity mask (all feel it)"},
-        {!model->has_walls, "walls and their test after each step"},
-        {!model->has_periods, "periods"},
-        {!model->has_radiation, "radiation"},
-        {!model->has_pins, "pinned particles"},
-        {!model->priv->part[DL_PART_SLOW], "a slow part of the force"},
+static const char *const left_out_names[] = {
+    [DL_OUT_PAIRS] = "pair forces",
+    [DL_OUT_Z] = "z components",
+    [DL_OUT_REAL_POWERS] = "real powers (all whole)",
+    [DL_OUT_SWITCHES] = "switches of the pair law",
+    [DL_OUT_CUTOFF] = "cutoff",
+    [DL_OUT_CROSSINGS] = "location of crossings",
+    [DL_OUT_SPECIES] = "laws by species",
+    [DL_OUT_COUPLINGS] = "couplings (all 1)",
+    [DL_OUT_INERTIA] = "division by inertia (all 1)",
+    [DL_OUT_GRAVITY] = "gravity",
+    [DL_OUT_GRAVITY_MASK] = "gravity mask (all feel it)",
+    [DL_OUT_WALLS] = "walls and their test after each step",
+    [DL_OUT_PERIODS] = "periods",
+    [DL_OUT_RADIATION] = "radiation",
+    [DL_OUT_PINS] = "pinned particles",
+    [DL_OUT_SLOW_PART] = "a slow part of the force",
+};
+
+const char *dl_left_out_name(dl_left_out what) {
+    return left_out_names[what];
+}
+
+static bool all_whole(const dl_model *model) {
+    const dl_pair_problem *p = &model->priv->problem;
+    bool whole = true;
+    for (size_t k = 0; k < p->species * p->species; k++)
+        whole &= p->law[k].integer;
+    return whole;
+}
+
+bool dl_leaves_out(const dl_model *model, dl_left_out what) {
+    const struct dl_model_private *priv = model->priv;
+    const bool pairs = model->kernel;
+    const bool absent[] = {
+        [DL_OUT_PAIRS] = !pairs,
+        [DL_OUT_Z] = model->dimension == 2,
+        [DL_OUT_REAL_POWERS] = pairs && all_whole(model),
+        [DL_OUT_SWITCHES] = pairs && most_pieces(model) == 1,
+        [DL_OUT_CUTOFF] = pairs && isinf(priv->problem.reach),
+        [DL_OUT_CROSSINGS] = pairs && !model->locates_crossings,
+        [DL_OUT_SPECIES] = pairs && !priv->species_of,
+        [DL_OUT_COUPLINGS] = pairs && !priv->coupling,
+        [DL_OUT_INERTIA] = !priv->inverse_inertia,
+        [DL_OUT_GRAVITY] = !model->has_gravity,
+        [DL_OUT_GRAVITY_MASK] = model->has_gravity && !priv->gravity_mask,
+        [DL_OUT_WALLS] = !model->has_walls,
+        [DL_OUT_PERIODS] = !model->has_periods,
+        [DL_OUT_RADIATION] = !model->has_radiation,
+        [DL_OUT_PINS] = !model->has_pins,
+        [DL_OUT_SLOW_PART] = !priv->part[DL_PART_SLOW],
     };
+    return absent[what];
+}
+
+static void explain_absent(const dl_model *model, FILE *out) {
     const char *separator = "";
     fprintf(out, "  %-10s ", "left out");
-    for (size_t k = 0; k < sizeof terms / sizeof *terms; k++)
-        if (terms[k].absent) {
-            fprintf(out, "%s%s", separator, terms[k].what);
+    for (int k = 0; k < DL_LEFT_OUTS; k++)
+        if (dl_leaves_out(model, (dl_left_out)k)) {
+            fprintf(out, "%s%s", separator, left_out_names[k]);
             separator = ", ";
         }
     fprintf(out, "%s\n", *separator ? "" : "nothing");

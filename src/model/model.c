@@ -20,7 +20,7 @@ static void order_particles(dl_model *model) {
         if (!pinned)
             model->moving = next;
     }
-    model->has_pins = model->moving < model->particles;
+    model->has_pins = model->moving < model->particles || (scene->keep & DL_KEEP_PINS);
     model->unknowns = (size_t)model->dimension * model->moving;
 }
 
@@ -40,6 +40,7 @@ static dl_status fill_laws(dl_model *model, dl_error *error) {
         dl_law *law = &priv->law[k];
         const dl_pair_law own = priv->whole ? dl_pair_law_part(&source[k], priv->which) : source[k];
         dl_law_prepare(&own, law);
+        law->integer &= !(scene->keep & DL_KEEP_REAL_POWERS);
         if (law->pieces > 0)
             problem->reach = fmax(problem->reach, law->until[law->pieces - 1]);
         for (int piece = 0; piece < law->pieces; piece++)
@@ -62,14 +63,16 @@ static dl_status fill_particles(dl_model *model, dl_error *error) {
         return dl_fail_memory(error, "the model's inertias");
     for (size_t k = 0; k < moving; k++)
         priv->inertia[k] = scene->inertia[priv->order[k]];
-    if (!all_one(scene->inertia, priv->order, moving)) {
-        priv->inverse_inertia = malloc(moving * sizeof(double));
+    if ((scene->keep & DL_KEEP_INERTIA) || !all_one(scene->inertia, priv->order, moving)) {
+        priv->inverse_inertia = malloc((moving + 1) * sizeof(double));
         if (!priv->inverse_inertia)
             return dl_fail_memory(error, "the model's inertias");
         for (size_t k = 0; k < moving; k++)
             priv->inverse_inertia[k] = 1 / priv->inertia[k];
     }
-    if (priv->problem.reach > 0 && !all_one(scene->coupling, priv->order, particles)) {
+    const bool couplings =
+        (scene->keep & DL_KEEP_COUPLING) || !all_one(scene->coupling, priv->order, particles);
+    if (priv->problem.reach > 0 && couplings) {
         priv->coupling = calloc(particles + DL_VECTOR_PAD, sizeof(double));
         if (!priv->coupling)
             return dl_fail_memory(error, "the model's couplings");
@@ -87,14 +90,22 @@ static dl_status fill_gravity(dl_model *model, dl_error *error) {
     bool any = scene->gravity[0] != 0 || scene->gravity[1] != 0 || scene->gravity[2] != 0;
     any &= !model->priv->whole || model->priv->which == DL_PART_SLOW;
     model->has_gravity = any && feel > 0;
-    if (!model->has_gravity || feel == model->moving)
+    const bool masked = (scene->keep & DL_KEEP_GRAVITY_MASK) || feel < model->moving;
+    if (!model->has_gravity || !masked)
         return DL_OK;
-    double *mask = model->priv->gravity_mask = malloc(model->moving * sizeof(double));
+    double *mask = model->priv->gravity_mask = malloc((model->moving + 1) * sizeof(double));
     if (!mask)
         return dl_fail_memory(error, "the gravity mask");
     for (size_t k = 0; k < model->moving; k++)
         mask[k] = scene->feels_gravity[model->priv->order[k]];
     return DL_OK;
+}
+
+/* What methods need not ask for at every step. */
+static void classify_force(dl_model *model) {
+    const bool alone = !model->kernel && model->has_gravity;
+    model->has_force = model->kernel || model->has_gravity;
+    model->is_uniform = alone && !model->priv->gravity_mask && !model->locates_hits;
 }
 
 /* Full blocks in which the pinned particles stand still. */
@@ -178,6 +189,7 @@ dl_status dl_model_create_part(const dl_scene *scene, dl_model *whole, dl_part w
         dl_model_free(made);
         return status;
     }
+    classify_force(made);
     *model = made;
     return DL_OK;
 }
