@@ -33,7 +33,7 @@ const svgMarker = (look, x, y, scale = 1) => {
 
 const svgLine = (points, look) =>
   svgElement("polyline", {points: points.map(({x, y}) => `${x.toFixed(2)},${y.toFixed(2)}`).join(" "),
-                          fill: "none", stroke: look.colour, "stroke-width": 1.8,
+                          fill: "none", stroke: look.colour, "stroke-width": look.width || 1.8,
                           "stroke-dasharray": look.dash.join(" ")});
 
 /* Grid, tick labels, titles of both axes. */
@@ -96,7 +96,7 @@ const svgKey = (chart, width, top) => {
 const svgOf = chart => {
   const {chartArea: area, width} = chart;
   const key = svgKey(chart, width, area.bottom + 56);
-  const {asked} = chart.options.plugins.marks || {};
+  const {asked, front} = chart.options.plugins.marks || {};
   const root = svgElement("svg", {
     xmlns: NAMESPACE, width, height: key.bottom, viewBox: `0 0 ${width} ${key.bottom}`,
     "font-family": FONT});
@@ -110,6 +110,9 @@ const svgOf = chart => {
     root.append(svgLine([{x: area.left, y}, {x: area.right, y}],
                         {colour: ASKED.colour, dash: ASKED.dash}));
   }
+  if (front && front.length)
+    root.append(svgElement("g", {"clip-path": "url(#frame)"},
+                           svgLine(stairs(front, chart.scales, area.right), FRONT)));
   root.append(svgData(chart), key.group);
   return new XMLSerializer().serializeToString(root);
 };
