@@ -21,7 +21,7 @@
 static void assert_front(const dl_front_point *front, size_t count, const size_t *index,
                          size_t expected) {
     assert_int_equal(count, expected);
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < expected; i++)
         assert_int_equal(front[i].index, index[i]);
 }
 
@@ -132,7 +132,7 @@ static void only_cases_that_count_are_on_a_front(void **state) {
                                     .horizon = 1.5};
     assert_int_equal(dl_results_add_reference(results, &reference, NULL), DL_OK);
 
-    dl_front_point front[8];
+    dl_front_point front[8] = {{0}};
     const size_t by_cpu[] = {0}, by_forces[] = {1};
     size_t count = dl_results_front(results, "a", "position", DL_COST_CPU, front);
     assert_front(front, count, by_cpu, 1);
