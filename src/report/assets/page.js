@@ -85,7 +85,9 @@ const boundOf = (scene, one) => {
   const value = asked.metric.value(one);
   if (one.status !== "ok" || one.invalid || value === null) return Infinity;
   if (asked.in === "energy" || !one.refused) return value;
-  return scene.reference ? value + scene.reference.error : Infinity;
+  const {reference} = scene;
+  const past = reference && reference.horizon !== null && reference.horizon <= one.t_end_reached;
+  return reference && !past ? value + reference.error : Infinity;
 };
 
 const errorReached = (scene, one) =>
