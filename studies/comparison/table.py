@@ -7,6 +7,7 @@ Results are kept beside the studies: run again, only what is missing is measured
 those studies a second time, all of them anew, and tells what differs between the two.
 """
 import argparse
+import itertools
 import json
 import pathlib
 import re
@@ -56,10 +57,11 @@ def cheapest(text):
     asked = re.search(r"^  cheapest for (.* error) of at most$", text, re.M)[1]
     yield f"| {asked} of at most | least CPU time | CPU s | fewest forces | forces |"
     yield "|---|---|---:|---|---:|"
-    for line in text.splitlines():
-        match = CHEAPEST.match(line)
-        if match:
-            yield "| " + " | ".join(match.groups()) + " |"
+    rows = [match.groups() for match in map(CHEAPEST.match, text.splitlines()) if match]
+    for answer, alike in itertools.groupby(rows, key=lambda row: row[1:]):
+        decades = [row[0] for row in alike]
+        span = decades[0] if len(decades) == 1 else f"{decades[0]} to {decades[-1]}"
+        yield f"| {span} | " + " | ".join(answer) + " |"
 
 
 def compare(options, name):
