@@ -205,21 +205,29 @@ static int widest_name(const dl_results *results, const dl_front_point *front, s
     return widest;
 }
 
-static void print_cheapest(const dl_results *results, int exponent, const fronts *of,
-                           const int width[2], FILE *out) {
+/* The cheapest of both fronts for an error of 10^exponent; NULL: none. */
+typedef struct cheapest {
+    const dl_front_point *cpu, *forces;
+} cheapest;
+
+static cheapest find_cheapest(const fronts *of, int exponent) {
     const double error = pow(10, exponent);
-    const dl_front_point *cpu = dl_front_cheapest(of->cpu, of->cpus, error);
-    const dl_front_point *forces = dl_front_cheapest(of->forces, of->forced, error);
-    if (!cpu || !forces)
-        return;
-    fprintf(out, "    1e%+03d  ", exponent);
-    print_name(results, &results->cased[cpu->index], width[0], out);
-    fprintf(out, " %8.2e s  ", cpu->cost);
-    print_name(results, &results->cased[forces->index], width[1], out);
-    fprintf(out, " %9.0f\n", forces->cost);
+    return (cheapest){dl_front_cheapest(of->cpu, of->cpus, error),
+                      dl_front_cheapest(of->forces, of->forced, error)};
 }
 
-/* For every decade of accuracy the cheapest case. */
+static void print_cheapest(const dl_results *results, int from, int to, const cheapest *found,
+                           const int width[2], FILE *out) {
+    char decades[32];
+    snprintf(decades, sizeof decades, from == to ? "1e%+03d" : "1e%+03d to 1e%+03d", from, to);
+    fprintf(out, "    %-14s  ", decades);
+    print_name(results, &results->cased[found->cpu->index], width[0], out);
+    fprintf(out, " %8.2e s  ", found->cpu->cost);
+    print_name(results, &results->cased[found->forces->index], width[1], out);
+    fprintf(out, " %9.0f\n", found->forces->cost);
+}
+
+/* For every decade of accuracy the cheapest case; one line where decades have the same. */
 static void print_accuracies(const dl_results *results, const fronts *of, FILE *out) {
     const int width[2] = {widest_name(results, of->cpu, of->cpus),
                           widest_name(results, of->forces, of->forced)};
@@ -227,11 +235,18 @@ static void print_accuracies(const dl_results *results, const fronts *of, FILE *
     if (!dl_front_decades(of->cpu, of->cpus, &largest, &smallest) ||
         !dl_front_decades(of->forces, of->forced, &others, &unused))
         return;
-    fprintf(out, "  cheapest for %s %s error of at most\n    %-5s  %-*s %10s  %s\n",
+    fprintf(out, "  cheapest for %s %s error of at most\n    %-14s  %-*s %10s  %s\n",
             in_energy(results->asked_in) ? "an" : "a", results->asked_in, "", width[0],
             "by CPU time", "", "by force evaluations");
-    for (int exponent = largest > others ? largest : others; exponent >= smallest; exponent--)
-        print_cheapest(results, exponent, of, width, out);
+    int from = largest > others ? largest : others;
+    for (int exponent = from; exponent >= smallest; exponent--) {
+        const cheapest found = find_cheapest(of, exponent), next = find_cheapest(of, exponent - 1);
+        if (exponent > smallest && found.cpu == next.cpu && found.forces == next.forces)
+            continue;
+        if (found.cpu && found.forces)
+            print_cheapest(results, from, exponent, &found, width, out);
+        from = exponent - 1;
+    }
 }
 
 void dl_finding_print(const dl_finding *finding, FILE *out) {

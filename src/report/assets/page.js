@@ -265,8 +265,22 @@ const cheapestCells = (row, cost) => {
              : [element("td", {}, "–"), element("td", {})];
 };
 
-const accuracyRows = (scene, metric) => scene.tradeoff[metric].accuracies.map(row =>
-  element("tr", {}, element("td", {className: "number"}, scientific(row.error)),
+/* Neighbouring decades with the same cases share a row. */
+const sharedDecades = accuracies => {
+  const shared = [];
+  for (const row of accuracies) {
+    const last = shared[shared.length - 1];
+    if (last && ACCURACY_COSTS.every(cost => last[cost] === row[cost])) last.error = row.error;
+    else shared.push({...row, from: row.error});
+  }
+  return shared;
+};
+
+const decadesText = ({from, error}) =>
+  (from === error ? "" : scientific(from) + " to ") + scientific(error);
+
+const accuracyRows = (scene, metric) => sharedDecades(scene.tradeoff[metric].accuracies).map(row =>
+  element("tr", {}, element("td", {className: "number"}, decadesText(row)),
           ...ACCURACY_COSTS.flatMap(cost => cheapestCells(row, cost))));
 
 const accuracyTable = (scene, metric) => {
