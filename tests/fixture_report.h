@@ -193,7 +193,7 @@ static void fixture_scene(dl_results *results, const char *name, double referenc
 
 /* Ten methods at five steps on one scene, with every way of not being a point; three runs on a
  * second scene that has neither samples nor a reference. */
-static dl_results *fixture_study(void) {
+static inline dl_results *fixture_study(void) {
     dl_results *results = fixture_results("Stream & co: <which> method?", 1e-6, "position");
     fixture_scene(results, "stream", 2e-11);
     for (size_t m = 0; m < FIXTURE_METHODS; m++)
@@ -230,14 +230,14 @@ static dl_results *fixture_study(void) {
     return results;
 }
 
-static dl_results *fixture_one(void) {
+static inline dl_results *fixture_one(void) {
     dl_results *results = fixture_results("One case", 0, "");
     fixture_scene(results, "alone", 0);
     fixture_add(results, fixture_case("alone", &fixture_methods[0], "step", 0.01, 0));
     return results;
 }
 
-static dl_results *fixture_all_failed(void) {
+static inline dl_results *fixture_all_failed(void) {
     dl_results *results = fixture_results("All failed", 1e-6, "position");
     fixture_scene(results, "stream", 2e-11);
     for (size_t m = 0; m < FIXTURE_METHODS; m++) {
@@ -249,7 +249,7 @@ static dl_results *fixture_all_failed(void) {
 }
 
 /* 300 cases on lines that no two look alike. */
-static dl_results *fixture_many(void) {
+static inline dl_results *fixture_many(void) {
     dl_results *results = fixture_results("Three hundred cases", 1e-9, "energy");
     fixture_scene(results, "stream", 2e-11);
     for (int m = 0; m < 25; m++) {
@@ -267,7 +267,7 @@ static dl_results *fixture_many(void) {
     return results;
 }
 
-static dl_results *fixture_empty(void) {
+static inline dl_results *fixture_empty(void) {
     return fixture_results("Nothing yet", 1e-6, "position");
 }
 

@@ -37,6 +37,9 @@ static void what_differs_is_told(void **state) {
     b->cased[7].summary.force_evaluations++;
     b->cased[8].position_error = nextafter(b->cased[8].position_error, 1);
     b->cased[9].summary.status = DL_TIMEOUT;
+    /* both stopped for their time, at different places: nothing that the method has done */
+    a->cased[10].summary.status = b->cased[10].summary.status = DL_TIMEOUT;
+    b->cased[10].summary.steps++;
     /* all times the double but for one that becomes the slowest of all */
     for (size_t i = 0; i < cases; i++)
         b->cased[i].summary.cpu_seconds *= 2;

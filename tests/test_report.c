@@ -15,6 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "driftlab/front.h"
 #include "driftlab/report.h"
 #include "fixture_report.h"
 
@@ -208,6 +209,43 @@ static void the_cheapest_case_is_the_one_that_the_results_name(void **state) {
     }
 }
 
+/* Of every kind of error by every cost, and for each decade the cheapest. */
+static void fronts_are_those_of_the_results(void **state) {
+    (void)state;
+    static const char *const errors[] = {"position", "energy", "momentum"};
+    static const char *const costs[DL_COSTS] = {"cpu", "force", "steps"};
+    dl_results *results = fixture_study();
+    char *page = render(results);
+    json_t *data = data_of(page);
+    const json_t *scene = json_array_get(json_object_get(data, "scenes"), 0);
+    dl_front_point *front = calloc(results->cases, sizeof *front);
+    for (size_t e = 0; e < sizeof errors / sizeof *errors; e++) {
+        const json_t *told = json_object_get(json_object_get(scene, "tradeoff"), errors[e]);
+        const json_t *accuracies = json_object_get(told, "accuracies");
+        assert_true(json_array_size(accuracies) > 0);
+        for (int cost = 0; cost < DL_COSTS; cost++) {
+            const json_t *corners = json_object_get(json_object_get(told, "front"), costs[cost]);
+            const size_t count =
+                dl_results_front(results, results->scene[0].name, errors[e], (dl_cost)cost, front);
+            assert_int_equal(json_array_size(corners), count);
+            for (size_t i = 0; i < count; i++)
+                assert_int_equal(json_integer_value(json_array_get(corners, i)), front[i].index);
+            for (size_t i = 0; i < json_array_size(accuracies); i++) {
+                const json_t *row = json_array_get(accuracies, i);
+                const dl_front_point *best =
+                    dl_front_cheapest(front, count, json_real_value(json_object_get(row, "error")));
+                assert_non_null(best);
+                assert_int_equal(json_integer_value(json_object_get(row, costs[cost])),
+                                 best->index);
+            }
+        }
+    }
+    free(front);
+    json_decref(data);
+    free(page);
+    dl_results_free(results);
+}
+
 /* What the results say is text: it neither ends the data block nor becomes a tag. */
 static void foreign_text_cannot_become_markup(void **state) {
     (void)state;
@@ -340,11 +378,15 @@ static int write_expectation(const dl_results *results, const char *path) {
         drawn[0] += position_is_drawn(cased);
         drawn[1] += energy_is_drawn(cased);
     }
-    FILE *out = fopen(path, "w");
+    dl_front_point *front = calloc(results->cases + 1, sizeof *front);
+    const size_t corners =
+        front ? dl_results_front(results, first, "energy", DL_COST_CPU, front) : 0;
+    FILE *out = front ? fopen(path, "w") : NULL;
+    free(front);
     if (!out)
         return 1;
-    fprintf(out, "cases=%zu scenes=%zu position=%zu energy=%zu\n", results->cases, results->scenes,
-            drawn[0], drawn[1]);
+    fprintf(out, "cases=%zu scenes=%zu position=%zu energy=%zu front=%zu\n", results->cases,
+            results->scenes, drawn[0], drawn[1], corners);
     return fclose(out);
 }
 
@@ -374,6 +416,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(points_that_are_no_errors_carry_their_reason),
         cmocka_unit_test(errors_over_time_end_at_the_horizon),
         cmocka_unit_test(the_cheapest_case_is_the_one_that_the_results_name),
+        cmocka_unit_test(fronts_are_those_of_the_results),
         cmocka_unit_test(foreign_text_cannot_become_markup),
         cmocka_unit_test(text_that_is_no_utf8_is_still_written),
         cmocka_unit_test(the_page_needs_nothing_but_itself),

@@ -36,6 +36,7 @@ addEventListener("load", async () => {
   seen.scenes = all("section.scene").length;
   seen.cpu = first("cpu");
   seen.force = first("force");
+  seen.steps = first("steps");
   seen.time = first("time");
   seen.wide = document.documentElement.scrollWidth > innerWidth ? 1 : 0;
   seen.missing = all("#scene-1 .missing tr").length;
@@ -49,6 +50,9 @@ addEventListener("load", async () => {
     const choice = document.querySelector(`#scene-1 input[value=${metric}]`);
     if (choice) choice.click();
     seen[metric] = first("cpu");
+    const drawn = Chart.getChart(document.querySelector("canvas[data-chart=cpu]") || "none");
+    seen.front = drawn ? drawn.options.plugins.marks.front.length : 0;
+    seen.accuracies = all("#scene-1 table.accuracies tbody tr").length;
   }
   const line = document.querySelector("#scene-1 .legend button");
   if (line) line.click();
@@ -101,6 +105,14 @@ for study in study one failed many empty; do
         same $study position "$position"
         same $study energy "$energy"
         same $study shown "$energy"
+        same $study steps "$(value "$found" force)"
+        # its least error may be exactly 0, which has no place on the axis
+        corners=$(value "$expected" front)
+        front=$(value "$found" front)
+        [ "$front" = "$corners" ] || [ "$front" = $((corners - 1)) ] ||
+            fail "$study: a front of $front corners, not $corners"
+        [ "$corners" = 0 ] || [ "$(value "$found" accuracies)" -gt 0 ] ||
+            fail "$study: no accuracies"
         same $study cpu "$(value "$found" force)"
         for never in wide blank overlaps unsorted; do same $study $never 0; done
         case $study in

@@ -11,7 +11,8 @@
 typedef struct dl_case_pair {
     const dl_case *a, *b;
     bool same_key; /* false: its scene's content or its reference is another one */
-    bool same;     /* status, counts of work and errors agree in every bit */
+    bool same;     /* status, counts of work and errors agree in every bit; or both were stopped
+                      for their time */
 } dl_case_pair;
 
 typedef struct dl_finding_pair {

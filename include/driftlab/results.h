@@ -164,12 +164,14 @@ void dl_reference_release(dl_reference *reference);
 const dl_case *dl_results_cheapest(const dl_results *results, const char *scene,
                                    const char *asked_in, double error);
 
-/* The error of a case in "position" (RMS at the end) or "energy" (largest, relative to the energy
- * scale); NaN where it has none. */
+/* The error of a case in "position" (RMS at the end), "position-worst" (largest particle's at the
+ * end), "position-ever" (largest RMS at any sample up to the horizon), "energy", "momentum" or
+ * "angular-momentum" (largest over the samples, in units of its scale); NaN where it has none. */
 double dl_case_error(const dl_case *cased, const char *asked_in);
 
 /* What that error is certainly below: a position error that is smaller than the reference (NULL:
- * there is none) can tell is at most that much larger. Infinite for a run that does not count. */
+ * there is none) can tell is at most that much larger. Infinite for a run that does not count, and
+ * for positions past the horizon. */
 double dl_case_bound(const dl_case *cased, const char *asked_in, const dl_reference *reference);
 
 /* "cheapest for a position error of 1e-06 on stream: METHOD with OPTIONS (0.012 CPU s, 1400 force

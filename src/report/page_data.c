@@ -6,9 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "driftlab/front.h"
 #include "driftlab/reference.h"
 #include "report/page.h"
 #include "report/page_findings.h"
+#include "study/errors.h"
 #include "version.h"
 
 /* One object or array under construction; `failed` once anything could not be added. */
@@ -135,19 +137,17 @@ static void put_errors(builder *build, json_t *object, const dl_case *cased) {
         put(build, object, table[i].name, real(table[i].value));
 }
 
-/* `invalid` speaks of the run, `refused` of the position error alone: that one needs the reference.
+/* `invalid` speaks of the run, `refused` of the position errors alone: those need the reference.
  */
 static json_t *reasons_not_drawn(builder *build, const dl_case *cased) {
-    const dl_run_summary *summary = &cased->summary;
-    const char *position =
-        reason_not_drawn(summary, cased->invalid[0] ? cased->invalid : cased->refused,
-                         cased->position_error, "there is no reference to compare it with");
-    const char *energy = reason_not_drawn(
-        summary, cased->invalid, relative(summary->energy_error_max, summary->energy_scale),
-        "its energy error was not measured");
     json_t *reasons = json_object();
-    put(build, reasons, "position", dl_page_text(position));
-    put(build, reasons, "energy", dl_page_text(energy));
+    for (size_t i = 0; i < DL_ERROR_ROWS; i++) {
+        const dl_error_row *row = &dl_error_rows[i];
+        const char *refused =
+            row->needs_reference && !*cased->invalid ? cased->refused : cased->invalid;
+        put(build, reasons, row->name,
+            dl_page_text(reason_not_drawn(&cased->summary, refused, row->of(cased), row->missing)));
+    }
     return reasons;
 }
 
@@ -233,6 +233,79 @@ static json_t *reference_of(builder *build, const char *scene) {
     return object;
 }
 
+/* --- what accuracy costs ------------------------------------------------------------------- */
+
+static const char *const cost_names[DL_COSTS] = {"cpu", "force", "steps"};
+
+typedef struct front {
+    dl_front_point *point; /* [count] */
+    size_t count;
+} front;
+
+static json_t *indices(builder *build, const front *of) {
+    json_t *array = json_array();
+    for (size_t i = 0; i < of->count; i++)
+        append(build, array, json_integer((json_int_t)of->point[i].index));
+    return array;
+}
+
+/* [{error, cpu, force, steps}]: for every decade the cheapest case, by each cost. */
+static json_t *accuracies(builder *build, const front fronts[DL_COSTS]) {
+    json_t *array = json_array();
+    int largest = 0, smallest = 0;
+    bool any = false;
+    for (int cost = 0; cost < DL_COSTS; cost++) {
+        int first, last;
+        if (!dl_front_decades(fronts[cost].point, fronts[cost].count, &first, &last))
+            continue;
+        largest = any && largest > first ? largest : first;
+        smallest = any && smallest < last ? smallest : last;
+        any = true;
+    }
+    for (int exponent = largest; any && exponent >= smallest; exponent--) {
+        const double error = pow(10, exponent);
+        json_t *row = json_object();
+        put(build, row, "error", json_real(error));
+        for (int cost = 0; cost < DL_COSTS; cost++) {
+            const dl_front_point *best =
+                dl_front_cheapest(fronts[cost].point, fronts[cost].count, error);
+            put(build, row, cost_names[cost],
+                best ? json_integer((json_int_t)best->index) : json_null());
+        }
+        append(build, array, row);
+    }
+    return array;
+}
+
+/* {front: {cpu: [case ...], force, steps}, accuracies}, for one kind of error. */
+static json_t *one_tradeoff(builder *build, const char *scene, const char *error_name) {
+    json_t *object = json_object(), *fronts = json_object();
+    front found[DL_COSTS] = {{NULL, 0}};
+    for (int cost = 0; cost < DL_COSTS; cost++) {
+        front *of = &found[cost];
+        of->point = calloc(build->results->cases + 1, sizeof *of->point);
+        if (of->point)
+            of->count =
+                dl_results_front(build->results, scene, error_name, (dl_cost)cost, of->point);
+        else
+            build->failed = true;
+        put(build, fronts, cost_names[cost], indices(build, of));
+    }
+    put(build, object, "front", fronts);
+    put(build, object, "accuracies", accuracies(build, found));
+    for (int cost = 0; cost < DL_COSTS; cost++)
+        free(found[cost].point);
+    return object;
+}
+
+static json_t *tradeoffs(builder *build, const char *scene) {
+    json_t *object = json_object();
+    for (size_t i = 0; i < DL_ERROR_ROWS; i++)
+        put(build, object, dl_error_rows[i].name,
+            one_tradeoff(build, scene, dl_error_rows[i].name));
+    return object;
+}
+
 /* `record` may be NULL: a scene that only cases name. */
 static json_t *one_scene(builder *build, const char *name, const dl_scene_record *record) {
     static const named_text texts[] = {
@@ -254,6 +327,7 @@ static json_t *one_scene(builder *build, const char *name, const dl_scene_record
         best = dl_results_cheapest(results, name, results->asked_in, results->asked_error);
     put(build, object, "cheapest",
         best ? json_integer((json_int_t)(best - results->cased)) : json_null());
+    put(build, object, "tradeoff", tradeoffs(build, name));
     return object;
 }
 

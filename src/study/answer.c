@@ -2,29 +2,16 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include "driftlab/front.h"
 #include "driftlab/reference.h"
-#include "driftlab/results.h"
 #include "study/kind.h"
 
 enum { OPTIONS_SIZE = 512 };
 
 static bool in_energy(const char *asked_in) {
     return strcmp(asked_in, "energy") == 0;
-}
-
-double dl_case_error(const dl_case *cased, const char *asked_in) {
-    return in_energy(asked_in) ? cased->summary.energy_error_max / cased->summary.energy_scale
-                               : cased->position_error;
-}
-
-double dl_case_bound(const dl_case *cased, const char *asked_in, const dl_reference *reference) {
-    const double error = dl_case_error(cased, asked_in);
-    if (cased->summary.status != DL_OK || *cased->invalid || !isfinite(error))
-        return INFINITY;
-    if (in_energy(asked_in) || !*cased->refused)
-        return error;
-    return reference ? error + reference->error : INFINITY;
 }
 
 static double bound(const dl_results *results, const dl_case *cased, const char *asked_in) {
@@ -154,15 +141,112 @@ static widths measure(const dl_results *results) {
     return wide;
 }
 
-static void print_case(const dl_results *results, const dl_case *cased, widths wide, FILE *out) {
+/* The fronts of a scene's cases in the error that was asked about. */
+typedef struct fronts {
+    dl_front_point *cpu, *forces;
+    size_t cpus, forced;
+} fronts;
+
+static void fronts_release(fronts *of) {
+    free(of->cpu);
+    free(of->forces);
+}
+
+/* Empty where there is no memory for them. */
+static fronts find_fronts(const dl_results *results, const char *scene) {
+    fronts of = {.cpu = calloc(results->cases + 1, sizeof *of.cpu),
+                 .forces = calloc(results->cases + 1, sizeof *of.forces)};
+    if (of.cpu)
+        of.cpus = dl_results_front(results, scene, results->asked_in, DL_COST_CPU, of.cpu);
+    if (of.forces)
+        of.forced = dl_results_front(results, scene, results->asked_in, DL_COST_FORCES, of.forces);
+    return of;
+}
+
+static bool is_on(const dl_front_point *front, size_t count, size_t index) {
+    for (size_t i = 0; i < count; i++)
+        if (front[i].index == index)
+            return true;
+    return false;
+}
+
+static void print_case(const dl_results *results, size_t index, widths wide, const fronts *of,
+                       FILE *out) {
     char seconds[16], position[16], energy[16], options[OPTIONS_SIZE];
+    const dl_case *cased = &results->cased[index];
     const dl_run_summary *run = &cased->summary;
+    const char *cpu = is_on(of->cpu, of->cpus, index) ? " cpu" : "";
+    const char *forces = is_on(of->forces, of->forced, index) ? " forces" : "";
     short_options(results, cased, options);
-    fprintf(out, "  %-*s  %-*s  %-17s %9s %9lu %9lu %9s%c %9s\n", wide.method, cased->method,
+    fprintf(out, "  %-*s  %-*s  %-17s %9s %9lu %9lu %9s%c %9s%s%s%s\n", wide.method, cased->method,
             wide.options, options, dl_status_name(run->status), number(run->cpu_seconds, seconds),
             run->force_evaluations, run->steps, number(dl_case_error(cased, "position"), position),
             *cased->refused || *cased->invalid ? '!' : ' ',
-            number(dl_case_error(cased, "energy"), energy));
+            number(dl_case_error(cased, "energy"), energy), *cpu || *forces ? " " : "", cpu,
+            forces);
+}
+
+/* "METHOD OPTIONS", at least `width` wide; its length. */
+static int print_name(const dl_results *results, const dl_case *cased, int width, FILE *out) {
+    char options[OPTIONS_SIZE], name[2 * OPTIONS_SIZE];
+    short_options(results, cased, options);
+    const int length = snprintf(name, sizeof name, "%s %s", cased->method, options);
+    if (out)
+        fprintf(out, "%-*s", width, name);
+    return length;
+}
+
+static int widest_name(const dl_results *results, const dl_front_point *front, size_t count) {
+    int widest = (int)strlen("by force evaluations");
+    for (size_t i = 0; i < count; i++) {
+        const int length = print_name(results, &results->cased[front[i].index], 0, NULL);
+        widest = length > widest ? length : widest;
+    }
+    return widest;
+}
+
+/* The cheapest of both fronts for an error of 10^exponent; NULL: none. */
+typedef struct cheapest {
+    const dl_front_point *cpu, *forces;
+} cheapest;
+
+static cheapest find_cheapest(const fronts *of, int exponent) {
+    const double error = pow(10, exponent);
+    return (cheapest){dl_front_cheapest(of->cpu, of->cpus, error),
+                      dl_front_cheapest(of->forces, of->forced, error)};
+}
+
+static void print_cheapest(const dl_results *results, int from, int to, const cheapest *found,
+                           const int width[2], FILE *out) {
+    char decades[32];
+    snprintf(decades, sizeof decades, from == to ? "1e%+03d" : "1e%+03d to 1e%+03d", from, to);
+    fprintf(out, "    %-14s  ", decades);
+    print_name(results, &results->cased[found->cpu->index], width[0], out);
+    fprintf(out, " %8.2e s  ", found->cpu->cost);
+    print_name(results, &results->cased[found->forces->index], width[1], out);
+    fprintf(out, " %9.0f\n", found->forces->cost);
+}
+
+/* For every decade of accuracy the cheapest case; one line where decades have the same. */
+static void print_accuracies(const dl_results *results, const fronts *of, FILE *out) {
+    const int width[2] = {widest_name(results, of->cpu, of->cpus),
+                          widest_name(results, of->forces, of->forced)};
+    int largest, smallest, others, unused;
+    if (!dl_front_decades(of->cpu, of->cpus, &largest, &smallest) ||
+        !dl_front_decades(of->forces, of->forced, &others, &unused))
+        return;
+    fprintf(out, "  cheapest for %s %s error of at most\n    %-14s  %-*s %10s  %s\n",
+            in_energy(results->asked_in) ? "an" : "a", results->asked_in, "", width[0],
+            "by CPU time", "", "by force evaluations");
+    int from = largest > others ? largest : others;
+    for (int exponent = from; exponent >= smallest; exponent--) {
+        const cheapest found = find_cheapest(of, exponent), next = find_cheapest(of, exponent - 1);
+        if (exponent > smallest && found.cpu == next.cpu && found.forces == next.forces)
+            continue;
+        if (found.cpu && found.forces)
+            print_cheapest(results, from, exponent, &found, width, out);
+        from = exponent - 1;
+    }
 }
 
 void dl_finding_print(const dl_finding *finding, FILE *out) {
@@ -194,13 +278,18 @@ static void print_findings(const dl_results *results, const char *scene, FILE *o
 
 static void print_scene(const dl_results *results, const char *scene, FILE *out) {
     const widths wide = measure(results);
-    fprintf(out, "%s (errors: RMS position at the end; energy, largest, in units of its scale)\n",
-            scene);
-    fprintf(out, "  %-*s  %-*s  %-17s %9s %9s %9s %9s  %9s\n", wide.method, "method", wide.options,
-            "options", "status", "CPU s", "forces", "steps", "position", "energy");
+    fronts of = find_fronts(results, scene);
+    fprintf(out,
+            "%s (errors: RMS position at the end; energy, largest, in units of its scale; front: "
+            "nothing else is as good in %s and as cheap)\n",
+            scene, results->asked_in);
+    fprintf(out, "  %-*s  %-*s  %-17s %9s %9s %9s %9s  %9s  front\n", wide.method, "method",
+            wide.options, "options", "status", "CPU s", "forces", "steps", "position", "energy");
     for (size_t i = 0; i < results->cases; i++)
         if (strcmp(results->cased[i].scene, scene) == 0)
-            print_case(results, &results->cased[i], wide, out);
+            print_case(results, i, wide, &of, out);
+    print_accuracies(results, &of, out);
+    fronts_release(&of);
 }
 
 static void print_reason(const dl_results *results, const dl_case *cased, FILE *out) {

@@ -84,12 +84,34 @@ const linearX = title => ({
 const ASKED = {colour: "#a00000", width: 1.5, dash: [6, 4]};
 const HORIZON = {colour: "#444444", width: 1.5, dash: [2, 2]};
 const FLOOR_COLOUR = "rgba(90, 90, 90, 0.16)";
+const FRONT = {colour: "rgba(240, 200, 60, 0.55)", width: 7, dash: []};
 
-/* The asked error (a line), what is too small for the reference to tell (shaded) and the horizon (an
- * upright line). Their names stand in the key beneath, where they cover no point. */
+/* Stairs along a Pareto front: what a cost buys until the next case costs more. */
+const stairs = (front, {x, y}, right) => {
+  const steps = [];
+  front.forEach((corner, i) => {
+    const at = y.getPixelForValue(corner.y);
+    steps.push({x: x.getPixelForValue(corner.x), y: at});
+    steps.push({x: i + 1 < front.length ? x.getPixelForValue(front[i + 1].x) : right, y: at});
+  });
+  return steps;
+};
+
+const strokeStairs = (context, look, steps) => {
+  context.strokeStyle = look.colour;
+  context.lineWidth = look.width;
+  context.lineJoin = "round";
+  context.beginPath();
+  steps.forEach((corner, i) => (i ? context.lineTo(corner.x, corner.y)
+                                  : context.moveTo(corner.x, corner.y)));
+  context.stroke();
+};
+
+/* The asked error (a line), what is too small for the reference to tell (shaded), the horizon (an
+ * upright line) and the Pareto front (stairs). Their names stand in the key beneath, where they cover no point. */
 const marks = {
   id: "marks",
-  beforeDatasetsDraw(chart, args, {asked, floor, horizon}) {
+  beforeDatasetsDraw(chart, args, {asked, floor, horizon, front}) {
     const {ctx, chartArea: area, scales: {x, y}} = chart;
     ctx.save();
     if (floor > y.min) {
@@ -101,6 +123,7 @@ const marks = {
       const height = y.getPixelForValue(asked);
       strokeLine(ctx, ASKED, area.left, area.right, height);
     }
+    if (front && front.length) strokeStairs(ctx, FRONT, stairs(front, chart.scales, area.right));
     if (horizon && horizon <= x.max) {
       const at = x.getPixelForValue(horizon);
       strokeUpright(ctx, HORIZON, at, area.top, area.bottom);
@@ -282,16 +305,19 @@ const linePicture = ({look, bare}) => picture(context => {
 
 const MARK_TEXTS = {
   asked: value => "asked: " + scientific(value),
+  front: () => "Pareto front: no other case is as good and as cheap",
   floor: value => `below ${scientific(value)}, a hundred times the reference's own error: refused`,
   horizon: value => `horizon, t = ${Number(value.toPrecision(4))}: errors after it mean nothing`,
 };
 
-const markKey = ({asked, floor, horizon}) => {
+const markKey = ({asked, floor, horizon, front}) => {
   const key = (image, text) => element("span", {className: "mark"}, image, text);
   const keys = [];
   if (asked)
     keys.push(key(picture(context => strokeLine(context, ASKED, 1, 33, 7)),
                   MARK_TEXTS.asked(asked)));
+  if (front && front.length)
+    keys.push(key(picture(context => strokeLine(context, FRONT, 1, 33, 7)), MARK_TEXTS.front()));
   if (floor)
     keys.push(key(picture(context => {
       context.fillStyle = FLOOR_COLOUR;

@@ -33,7 +33,7 @@ const svgMarker = (look, x, y, scale = 1) => {
 
 const svgLine = (points, look) =>
   svgElement("polyline", {points: points.map(({x, y}) => `${x.toFixed(2)},${y.toFixed(2)}`).join(" "),
-                          fill: "none", stroke: look.colour, "stroke-width": 1.8,
+                          fill: "none", stroke: look.colour, "stroke-width": look.width || 1.8,
                           "stroke-dasharray": look.dash.join(" ")});
 
 /* Grid, tick labels, titles of both axes. */
@@ -115,6 +115,7 @@ const MARK_SHAPES = {
     const at = y.getPixelForValue(value);
     return svgLine([{x: area.left, y: at}, {x: area.right, y: at}], ASKED);
   },
+  front: ({chartArea: area, scales}, value) => svgLine(stairs(value, scales, area.right), FRONT),
   horizon: ({chartArea: area, scales: {x}}, value) => {
     const at = x.getPixelForValue(value);
     return svgLine([{x: at, y: area.top}, {x: at, y: area.bottom}], HORIZON);
@@ -123,14 +124,16 @@ const MARK_SHAPES = {
 
 const marksOfChart = chart => {
   const marked = chart.options.plugins.marks || {};
-  return Object.keys(MARK_SHAPES).filter(kind => marked[kind]).map(kind => [kind, marked[kind]]);
+  const isThere = value => (Array.isArray(value) ? value.length > 0 : value);
+  return Object.keys(MARK_SHAPES).filter(kind => isThere(marked[kind]))
+    .map(kind => [kind, marked[kind]]);
 };
 
 /* A line of text a mark; from `top` down. */
 const svgMarkKey = (chart, top) => {
   const group = svgElement("g", {});
   marksOfChart(chart).forEach(([kind, value], i) => {
-    const y = top + 18 * i, look = {asked: ASKED, horizon: HORIZON}[kind];
+    const y = top + 18 * i, look = {asked: ASKED, front: FRONT, horizon: HORIZON}[kind];
     group.append(look ? svgLine([{x: 12, y}, {x: 42, y}], look)
                       : svgElement("rect", {x: 12, y: y - 6, width: 30, height: 12,
                                             fill: FLOOR_COLOUR}),

@@ -8,12 +8,23 @@ const folded = (summary, ...children) =>
   element("details", {}, element("summary", {}, summary), ...children);
 const pre = text => element("pre", {}, text);
 
+/* Kinds of error; those with `time` are known at every sample. */
 const METRICS = {
   position: {
     name: "position error",
-    axis: "RMS position error [length]",
+    axis: "RMS position error at the end [length]",
     time: "RMS position error [length]",
     value: one => one.position_error,
+  },
+  "position-worst": {
+    name: "worst particle's position error",
+    axis: "largest particle's position error at the end [length]",
+    value: one => one.position_error_max,
+  },
+  "position-ever": {
+    name: "largest position error over time",
+    axis: "largest RMS position error at any sample [length]",
+    value: one => one.position_error_ever,
   },
   energy: {
     name: "energy error",
@@ -21,12 +32,26 @@ const METRICS = {
     time: "|energy error| / energy scale [1]",
     value: one => one.energy_error,
   },
+  momentum: {
+    name: "momentum error",
+    axis: "largest |momentum error| / momentum scale [1]",
+    value: one => one.momentum_error,
+  },
+  "angular-momentum": {
+    name: "angular momentum error",
+    axis: "largest |angular momentum error| / its scale [1]",
+    value: one => one.angular_momentum_error,
+  },
 };
 
 const COSTS = {
-  cpu: {title: "Error against CPU time", axis: "CPU time [s]", value: one => one.cpu_seconds},
+  cpu: {title: "Error against CPU time", axis: "CPU time [s]", value: one => one.cpu_seconds,
+        spent: one => seconds(one.cpu_seconds), by: "CPU time"},
   force: {title: "Error against force evaluations", axis: "force evaluations [1]",
-          value: one => one.force_evaluations},
+          value: one => one.force_evaluations, spent: one => count(one.force_evaluations),
+          by: "force evaluations"},
+  steps: {title: "Error against accepted steps", axis: "accepted steps [1]",
+          value: one => one.steps, spent: one => count(one.steps), by: "accepted steps"},
 };
 
 const asked = results.asked_error > 0 && METRICS[results.asked_in]
@@ -60,7 +85,9 @@ const boundOf = (scene, one) => {
   const value = asked.metric.value(one);
   if (one.status !== "ok" || one.invalid || value === null) return Infinity;
   if (asked.in === "energy" || !one.refused) return value;
-  return scene.reference ? value + scene.reference.error : Infinity;
+  const {reference} = scene;
+  const past = reference && reference.horizon !== null && reference.horizon <= one.t_end_reached;
+  return reference && !past ? value + reference.error : Infinity;
 };
 
 const errorReached = (scene, one) =>
@@ -140,6 +167,12 @@ const costLines = (scene, metric, cost) =>
       .map(one => ({x: COSTS[cost].value(one), y: METRICS[metric].value(one), one})),
   })).filter(line => line.points.length);
 
+/* Corners of the Pareto front: those of its cases that are drawn, from the cheapest on. */
+const frontOf = (scene, metric, cost) =>
+  scene.tradeoff[metric].front[cost].map(index => results.cases[index])
+    .filter(one => isDrawn(one, metric) && COSTS[cost].value(one) > 0)
+    .map(one => ({x: COSTS[cost].value(one), y: METRICS[metric].value(one)}));
+
 const floorOf = (scene, metric) =>
   metric === "position" && scene.reference && scene.reference.error > 0
     ? scene.reference.margin * scene.reference.error : null;
@@ -152,6 +185,7 @@ const costPlan = (scene, metric, cost, hidden) => {
   const heights = points.map(point => point.y).concat(marked.asked || []);
   /* A reference far better than every point would squeeze the points into the top. */
   if (marked.floor > Math.min(...heights) / 1e4) heights.push(marked.floor / 4);
+  marked.front = frontOf(scene, metric, cost);
   return {
     lines, hidden, radius: 4.5,
     x: logX(COSTS[cost].axis, points.map(point => point.x)),
@@ -195,9 +229,14 @@ const notDrawnList = (scene, metric) => {
                   element("table", {className: "plain missing"}, element("tbody", {}, rows)))];
 };
 
+/* Positions and energy always: that there is no error of these is worth telling. */
+const offered = scene => Object.keys(METRICS).filter(metric =>
+  metric === "position" || metric === "energy"
+  || scene.cases.some(one => isDrawn(one, metric)));
+
 const metricChoice = (scene, start, change) => {
   const choice = element("fieldset", {className: "choice"}, element("legend", {}, "Error shown"));
-  for (const metric of Object.keys(METRICS)) {
+  for (const metric of offered(scene)) {
     const input = element("input", {type: "radio", name: "metric-" + scene.id, value: metric,
                                     checked: metric === start});
     input.addEventListener("change", () => change(metric));
@@ -218,10 +257,63 @@ const floorNote = (scene, metric) => {
   return scene.reference.error > 0 ? "" : "The reference's own error was not measured.";
 };
 
+/* --- the cheapest for every accuracy --- */
+
+const ACCURACY_COSTS = ["cpu", "force"];
+
+const cheapestCells = (row, cost) => {
+  const one = row[cost] === null ? null : results.cases[row[cost]];
+  return one ? [element("td", {}, one.line.name, one.label ? ` (${one.label})` : ""),
+                element("td", {className: "number"}, COSTS[cost].spent(one))]
+             : [element("td", {}, "–"), element("td", {})];
+};
+
+/* Neighbouring decades with the same cases share a row. */
+const sharedDecades = accuracies => {
+  const shared = [];
+  for (const row of accuracies) {
+    const last = shared[shared.length - 1];
+    if (last && ACCURACY_COSTS.every(cost => last[cost] === row[cost])) last.error = row.error;
+    else shared.push({...row, from: row.error});
+  }
+  return shared;
+};
+
+const decadesText = ({from, error}) =>
+  (from === error ? "" : scientific(from) + " to ") + scientific(error);
+
+const accuracyRows = (scene, metric) => sharedDecades(scene.tradeoff[metric].accuracies).map(row =>
+  element("tr", {}, element("td", {className: "number"}, decadesText(row)),
+          ...ACCURACY_COSTS.flatMap(cost => cheapestCells(row, cost))));
+
+const accuracyTable = (scene, metric) => {
+  const rows = accuracyRows(scene, metric);
+  if (!rows.length) return [];
+  const head = element("thead", {}, element("tr", {},
+    element("th", {scope: "col", className: "number"}, "error at most"),
+    ...ACCURACY_COSTS.flatMap(cost => [
+      element("th", {scope: "col"}, "cheapest by " + COSTS[cost].by),
+      element("th", {scope: "col", className: "number"}, COSTS[cost].by)])));
+  const cells = (row, cost) => {
+    const one = row[cost] === null ? null : results.cases[row[cost]];
+    return one ? [one.method, one.options, COSTS[cost].value(one)] : ["", "", ""];
+  };
+  return [
+    element("h4", {}, `The cheapest for each ${METRICS[metric].name}`),
+    element("div", {className: "scroll"}, element("table", {className: "plain accuracies"}, head,
+                                                  element("tbody", {}, rows))),
+    tableSaver(`${scene.name} cheapest ${metric}`, () => [
+      ["error at most", ...ACCURACY_COSTS.flatMap(cost =>
+        ["method by " + COSTS[cost].by, "options", COSTS[cost].axis])],
+      ...scene.tradeoff[metric].accuracies.map(row =>
+        [row.error, ...ACCURACY_COSTS.flatMap(cost => cells(row, cost))])])];
+};
+
 /* What a cost chart is marked with. */
 const marksOf = (scene, metric) => ({
   asked: asked && asked.in === metric ? asked.error : null,
   floor: floorOf(scene, metric),
+  front: frontOf(scene, metric, "force"),
 });
 
 const writeCostCharts = (scene, section) => {
@@ -230,6 +322,7 @@ const writeCostCharts = (scene, section) => {
   const frames = Object.entries(COSTS).map(
     ([cost, {title}]) => [cost, makeFrame(cost, title, empty, `${scene.name} ${title}`)]);
   const note = element("p", {className: "quiet"});
+  const cheapest = element("div", {});
   const missing = element("div", {className: "not-drawn"});
   const legend = element("div", {});
   const draw = metric => {
@@ -241,12 +334,13 @@ const writeCostCharts = (scene, section) => {
     legend.replaceChildren(makeLegend(costLines(scene, metric, "force"), hidden, charts,
                                       charts.length ? marksOf(scene, metric) : {}));
     note.textContent = floorNote(scene, metric);
+    cheapest.replaceChildren(...accuracyTable(scene, metric));
     missing.replaceChildren(...notDrawnList(scene, metric));
   };
   const start = firstMetric(scene);
   section.append(metricChoice(scene, start, draw),
                  element("div", {className: "charts"}, frames.map(([, frame]) => frame.figure)),
-                 legend, note, missing);
+                 legend, note, cheapest, missing);
   return () => draw(start);
 };
 
@@ -371,7 +465,8 @@ const writeTimeChart = (scene, section) => {
 
 const timeControls = (scene, set) => {
   const metric = element("select", {}, optionList(
-    Object.entries(METRICS).map(([key, {name}]) => [key, name]), "energy"));
+    Object.entries(METRICS).filter(([, {time}]) => time).map(([key, {name}]) => [key, name]),
+    "energy"));
   metric.addEventListener("change", set("metric"));
   const modes = [["one", "one case a method"]].concat(
     scene.lines.map(line => [line.name, "every case of " + line.name]));
@@ -406,6 +501,7 @@ const COLUMNS = [
   number("force evaluations", "force_evaluations"),
   number("steps", "steps"),
   real("position error, worst particle", "position_error_max", "length"),
+  real("position error, largest over time", "position_error_ever", "length"),
   real("energy error, end", "energy_error_final", "of scale"),
   real("momentum error", "momentum_error", "of scale"),
   real("angular momentum error", "angular_momentum_error", "of scale"),
