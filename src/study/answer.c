@@ -166,7 +166,7 @@ static void print_case(const dl_results *results, const dl_case *cased, widths w
 }
 
 void dl_finding_print(const dl_finding *finding, FILE *out) {
-    fprintf(out, "  %s %s: ", finding->method, finding->options);
+    fprintf(out, "  %s%s%s: ", finding->method, *finding->options ? " " : "", finding->options);
     if (finding->status != DL_OK)
         fprintf(out, "could not be measured (%s): %s\n", dl_status_name(finding->status),
                 finding->message);
