@@ -78,6 +78,7 @@ RUNS_FIXTURE dl_status try_unit(const asked *what, dl_finding *finding, dl_error
                                 .end = end,
                                 .sample =
                                     what->sample > 0 ? what->sample : end / (double)kind->samples,
+                                .sample_chosen = !(what->sample > 0),
                                 .seconds = 100,
                                 .settings = settings,
                                 .run = what->run ? what->run : dl_run};

@@ -5,7 +5,8 @@
 
 #include "driftlab/trajectory.h"
 
-#define DROP DL_STUDIES "/drop/drop.yaml"
+#define DROP   DL_STUDIES "/drop/drop.yaml"
+#define KEPLER DL_STUDIES "/kepler/kepler.yaml"
 
 static bool in_folder(const char *name) {
     char path[128];
@@ -115,7 +116,28 @@ static void bad_input_writes_nothing(void **state) {
         {"run " DROP " --method leapfrog --out a.h5 --dt fast", "--dt: step: found \"fast\""},
         {"run " DROP " --method leapfrog --out a.h5 --dt -1", "expected a number > 0"},
         {"run " DROP " --method leapfrog --out a.h5 --dt 7e-4",
-         "end: found 0.0823, expected a whole number of steps"},
+         "--dt: step: found 0.0007, expected one that divides the scene's end (" DROP ":14: "},
+        {"run " DROP " --method arkode-dirk --out a.h5 --set step=7e-4",
+         "--set: step: found 0.0007, expected one that divides the scene's end (" DROP ":14: "},
+        {"run " KEPLER " --method leapfrog --dt 1e300", "--dt: step: found 1e+300, expected one"},
+        {"run " KEPLER " --method conserving --dt 3.141592653589793",
+         "divides the scene's sample (" KEPLER ":14: 1.5707963267948966)"},
+        {"run " KEPLER " --method leapfrog --dt 1e-320",
+         "--dt: step: found 1e-320, expected at least 6.97574e-15: the scene's end"},
+        {"run " KEPLER " --method leapfrog --dt 1e-20 --t-end 62.83185307179586",
+         "--t-end: found 62.83185307179586, expected at most 9.0072e-05, 9007199254740992 steps"},
+        {"run " KEPLER " --method leapfrog --t-end 1e300",
+         "--t-end: found 1e+300, expected at most"},
+        {"run " KEPLER " --method gsl-rk8pd --t-end 1e300",
+         "--t-end: found 1e+300, expected at most 1.41485e+16, 9007199254740992 of the scene's"},
+        {"run " KEPLER " --method gauss-radau-15 --t-end 1e20", "--t-end: found 1e+20"},
+        {"run " KEPLER " --method cvode-adams --sample 1e-18",
+         "--sample: found 1e-18, expected at least 6.97574e-15"},
+        {"run " KEPLER " --method arkode-erk --t-end 1e25", "--t-end: found 1e+25"},
+        {"measure drift " KEPLER " --method gsl-rk8pd --t-end 1e20 --sample 1",
+         "--sample: found 1, expected at least 1e+14, which makes 1000000 samples"},
+        {"measure equilibrium " DL_STUDIES "/stream/stream.yaml --method leapfrog --sample 0.03",
+         "sample: found 0.03, expected a whole number of steps of 0.02"},
         {"run " DROP " --method leapfrog --out a.h5 --sample 1.5e-4", "--sample: found 0.00015"},
         {"run " DROP " --method leapfrog --t-end 1.5e-4", "--t-end: found 0.00015"},
         {"run " DROP " --method leapfrog --out a.h5 --t-end x", "--t-end: found \"x\""},
@@ -248,6 +270,33 @@ static void failed_run_is_told_twice(void **state) {
     json_decref(root);
 }
 
+/* What a method cannot do is told in words of the run, without a NaN or an infinity. */
+static void wild_numbers_are_told(void **state) {
+    (void)state;
+    static const struct {
+        const char *arguments, *status, *message, *choice;
+    } runs[] = {
+        {"--method conserving --dt 1e300 --t-end 1e300 --sample 1e300", "unstable", "not finite",
+         "what a fixed point leaves of an error cannot be told"},
+        {"--method cvode-adams --t-end 1e-300", "step-failure", "cannot go from t = 0 to 1e-300",
+         ""},
+        {"--method arkode-erk --t-end 1e-300", "step-failure", "cannot go from t = 0 to 1e-300",
+         ""},
+        {"--method gsl-bsimp --rtol 0 --set atol=1e-300", "step-failure",
+         "however short: too much accuracy asked", ""},
+    };
+    for (size_t k = 0; k < sizeof runs / sizeof *runs; k++) {
+        char line[300];
+        snprintf(line, sizeof line, "run " KEPLER " %s --json", runs[k].arguments);
+        json_t *root = object_of(line, 1);
+        assert_string_equal(text_of(root, "status"), runs[k].status);
+        if (!strstr(text_of(root, "message"), runs[k].message) ||
+            !strstr(text_of(root, "choice"), runs[k].choice))
+            fail_msg("%s: %s; %s", line, text_of(root, "message"), text_of(root, "choice"));
+        json_decref(root);
+    }
+}
+
 static double *last_frame(const dl_scene *scene, const char *name) {
     char path[128];
     double *y_all = NULL, time = 0;
@@ -370,6 +419,7 @@ int main(void) {
         cmocka_unit_test(dt_is_the_option_step),
         cmocka_unit_test(mirrors_and_chosen_steps_are_warned_of),
         cmocka_unit_test(failed_run_is_told_twice),
+        cmocka_unit_test(wild_numbers_are_told),
         cmocka_unit_test(start_goes_on),
         cmocka_unit_test(writing_that_fails),
         cmocka_unit_test(signal_stops_cleanly),

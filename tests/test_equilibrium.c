@@ -286,6 +286,23 @@ static void runs_that_change_slowly_have_not_settled(void **state) {
     dl_finding_release(&found);
 }
 
+/* A thousandth of ten steps is no time between samples: it is a step. One that was asked for is
+ * not rounded. */
+static void samples_that_nobody_asked_for_are_whole_steps(void **state) {
+    (void)state;
+    dl_scene *scene = ideal_gas();
+    asked what = equilibrium_of(scene, "leapfrog", "step=0.05");
+    what.end = 0.5;
+    dl_finding finding = measure(&what);
+    assert_int_equal(finding.rows, 11);
+    dl_finding_release(&finding);
+    what.sample = 0.5 / 1000;
+    dl_error error = {""};
+    assert_int_equal(refusal(&what, &error), DL_INPUT);
+    assert_non_null(strstr(error.message, "sample: found 0.0005, expected a whole number"));
+    dl_scene_free(scene);
+}
+
 static void what_cannot_be_measured_is_refused(void **state) {
     (void)state;
     dl_scene *scene = ideal_gas();
@@ -315,6 +332,7 @@ int main(void) {
         cmocka_unit_test(runs_of_one_state_are_one_mean),
         cmocka_unit_test(runs_of_several_states_are_told),
         cmocka_unit_test(runs_that_change_slowly_have_not_settled),
+        cmocka_unit_test(samples_that_nobody_asked_for_are_whole_steps),
         cmocka_unit_test(what_cannot_be_measured_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

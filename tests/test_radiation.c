@@ -324,8 +324,8 @@ static void refuses_a_period_of_parts_of_steps(void **state) {
     dl_run_summary summary;
     dl_error error = {""};
     assert_int_equal(dl_run(scene, row, options, &how, &summary, NULL, &error), DL_INPUT);
-    assert_non_null(strstr(error.message, "radiation: period: found 0.05, expected a whole number "
-                                          "of steps of 0.02"));
+    assert_non_null(strstr(error.message, "step: found 0.02, expected one that divides the scene's "
+                                          "period of radiation ("));
     dl_method_options_free(row, options);
     dl_scene_free(scene);
 }

@@ -87,6 +87,75 @@ static void schedule_refuses_parts_of_steps(void **state) {
     assert_int_equal(dl_schedule_create(INFINITY, 0, 0, &schedule, &error), DL_INPUT);
 }
 
+/* A count that no integer holds would be a run without a step that ends well. */
+static void schedule_refuses_too_many(void **state) {
+    (void)state;
+    static const double ends[] = {1e19, 1e20, 1e25, 1e300};
+    dl_schedule schedule;
+    dl_error error = {""};
+    for (size_t k = 0; k < sizeof ends / sizeof *ends; k++) {
+        assert_int_equal(dl_schedule_create(ends[k], 1, 0, &schedule, &error), DL_INPUT);
+        assert_non_null(strstr(error.message, "sample: found 1, expected at least "));
+        assert_non_null(strstr(error.message, "9007199254740992 samples up to "));
+        assert_int_equal(dl_schedule_create(ends[k], 0, 1, &schedule, &error), DL_INPUT);
+        assert_non_null(strstr(error.message, "expected at most 9.0072e+15, 9007199254740992 "
+                                              "steps of 1"));
+        assert_int_equal(dl_schedule_create(ends[k], 0, 0, &schedule, &error), DL_OK);
+        assert_int_equal(schedule.samples, 50);
+    }
+    assert_int_equal(dl_schedule_create(1e300, 1e-300, 0, &schedule, &error), DL_INPUT);
+    assert_null(strstr(error.message, "inf"));
+    assert_int_equal(dl_schedule_create(62.8, 0, 1e-320, &schedule, &error), DL_INPUT);
+    assert_null(strstr(error.message, "inf"));
+    assert_int_equal(dl_schedule_create(1.7e308, 0, 1.1e308, &schedule, &error), DL_INPUT);
+    assert_non_null(strstr(error.message, "(the nearest is 1.1e+308)"));
+    assert_int_equal(dl_schedule_create(DL_MOST_STEPS, 1, 0, &schedule, &error), DL_OK);
+    assert_true((double)schedule.samples == DL_MOST_STEPS);
+}
+
+static void expect_refusal(const dl_scene *scene, double end, double sample, double step,
+                           const char *words) {
+    dl_schedule schedule;
+    dl_error error = {""};
+    assert_int_equal(dl_schedule_of_scene(scene, end, sample, step, &schedule, &error), DL_INPUT);
+    if (strncmp(error.message, words, strlen(words)) != 0)
+        fail_msg("found \"%s\", expected \"%s\"", error.message, words);
+}
+
+/* The scene's times are whole numbers of its own step. */
+static void schedule_blames_what_was_given(void **state) {
+    (void)state;
+    dl_scene *scene = scene_of_text("name: timed\ndimension: 2\nparticles: [{at: [0, 0]}]\n"
+                                    "time:\n  step: 0.1\n  end: 1.2\n  sample: 0.3\n");
+    char words[300];
+    expect_refusal(scene, 0, 0, 0.7, "step: found 0.7, expected one that divides the scene's end");
+    snprintf(words, sizeof words,
+             "step: found 0.5, expected one that divides the scene's end (%s:6: 1.2) into a whole "
+             "number of steps (the nearest is 0.6)",
+             scene->file);
+    expect_refusal(scene, 0, 0, 0.5, words);
+    snprintf(words, sizeof words,
+             "step: found 0.4, expected one that divides the scene's sample (%s:7: 0.3) into a "
+             "whole number of steps (the nearest is 0.3)",
+             scene->file);
+    expect_refusal(scene, 0, 0, 0.4, words);
+    snprintf(
+        words, sizeof words,
+        "step: found 1e-20, expected at least 1.33227e-16: the scene's end (%s:6: 1.2) is more "
+        "than 9007199254740992 such steps",
+        scene->file);
+    expect_refusal(scene, 0, 0, 1e-20, words);
+    expect_refusal(scene, 1, 0, 0.4, "end: found 1, expected a whole number of steps of 0.4");
+    expect_refusal(scene, 0, 0.25, 0.1, "sample: found 0.25, expected a whole number of steps");
+    expect_refusal(scene, 0, 1e-20, 0, "sample: found 1e-20, expected at least 1.33227e-16, which");
+    snprintf(words, sizeof words,
+             "end: found 1e+20, expected at most 2.70216e+15, 9007199254740992 of the scene's "
+             "samples (%s:7: 0.3)",
+             scene->file);
+    expect_refusal(scene, 1e20, 0, 0, words);
+    dl_scene_free(scene);
+}
+
 static void run_refuses_parts_of_steps(void **state) {
     (void)state;
     dl_scene *scene = scene_of_text(pair);
@@ -672,6 +741,8 @@ int main(void) {
         cmocka_unit_test(schedule_chosen_has_at_most_50_intervals),
         cmocka_unit_test(schedule_of_an_adaptive_method),
         cmocka_unit_test(schedule_refuses_parts_of_steps),
+        cmocka_unit_test(schedule_refuses_too_many),
+        cmocka_unit_test(schedule_blames_what_was_given),
         cmocka_unit_test(run_refuses_parts_of_steps),
         cmocka_unit_test(leapfrog_is_the_papers_program),
         cmocka_unit_test(sampling_changes_no_bit),

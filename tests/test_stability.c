@@ -125,6 +125,36 @@ static void adaptive_methods_are_refused(void **state) {
     dl_scene_free(scene);
 }
 
+/* Tolerances have no use at a fixed step: they are refused, and not told where nobody set them. */
+static void tolerances_are_refused_and_not_told(void **state) {
+    (void)state;
+    static const char *const refused = "rtol", *const value = "1e-3";
+    static const char *const keys[] = {"points", "width", "largest", "smallest"};
+    static const char *const values[] = {"1", "1", "0.1", "0.05"};
+    dl_measure_request request = {.kind = "stability",
+                                  .scene = DL_STUDIES "/stream/stream.yaml",
+                                  .method = "gsl-rk8pd",
+                                  .settings = 1,
+                                  .key = &refused,
+                                  .value = &value,
+                                  .seconds = 20};
+    dl_finding finding;
+    dl_error error = {""};
+    assert_int_equal(dl_study_measure_alone(&request, &finding, &error), DL_INPUT);
+    assert_non_null(strstr(error.message, "rtol: found 1e-3, expected none: a study of kind "
+                                          "stability keeps steps fixed"));
+    assert_null(strstr(error.message, "step="));
+    dl_finding_release(&finding);
+    request.settings = 4;
+    request.key = keys;
+    request.value = values;
+    if (dl_study_measure_alone(&request, &finding, &error))
+        fail_msg("%s", error.message);
+    assert_string_equal(finding.options, "");
+    assert_int_equal(finding.status, DL_OK);
+    dl_finding_release(&finding);
+}
+
 /* --- the kind on runs made up ----------------------------------------------------------------- */
 
 static double step_in(const dl_method_row *row, const void *options) {
@@ -617,6 +647,7 @@ int main(void) {
         cmocka_unit_test(conserving_has_no_limit),
         cmocka_unit_test(a_pair_breaks_where_theory_says),
         cmocka_unit_test(adaptive_methods_are_refused),
+        cmocka_unit_test(tolerances_are_refused_and_not_told),
         cmocka_unit_test(windows_of_a_made_up_method),
         cmocka_unit_test(a_run_that_hangs_is_a_time_out),
         cmocka_unit_test(ways_to_fail),

@@ -137,9 +137,10 @@ typedef struct dl_scene {
     double gravity[3]; /* uniform acceleration */
     dl_walls walls;
     dl_radiation radiation;
-    double step;   /* default Delta t of fixed-step methods */
-    double end;    /* integration runs from t = 0 to here */
-    double sample; /* time between samples; 0: chosen by the run */
+    double step;                            /* default Delta t of fixed-step methods */
+    double end;                             /* integration runs from t = 0 to here */
+    double sample;                          /* time between samples; 0: chosen by the run */
+    int end_line, sample_line, period_line; /* of `file`: of `end`, `sample`, radiation's period */
     dl_kernel_choice kernel;
     double skin;   /* of the neighbour list, a length; 0: chosen */
     unsigned keep; /* DL_KEEP_*; no file says it, 0 */
@@ -165,7 +166,11 @@ void dl_scene_free(dl_scene *scene);
 /* `driftlab help scene`: every key, from the tables the reader uses. */
 void dl_scene_help(FILE *out);
 
-/* Whole number of steps in `time`, or 0 where it is not one to 1e-9 relative. */
+/* Steps of a run, and samples, at the most: doubles count them exactly. */
+#define DL_MOST_STEPS 9007199254740992.0 /* 2^53 */
+
+/* Whole number of steps in `time`, or 0 where it is not one to 1e-9 relative, or above
+ * DL_MOST_STEPS. */
 size_t dl_whole_steps(double time, double step);
 
 #endif

@@ -120,16 +120,6 @@ static void show_progress(void *context, double fraction, double seconds) {
     cli_show_progress(line);
 }
 
-/* An end or an interval that was given here is named as it was given. */
-static void name_option(const char *key, const char *option, dl_error *error) {
-    char text[DL_MESSAGE_SIZE];
-    const size_t length = strlen(key);
-    if (strncmp(error->message, key, length) != 0)
-        return;
-    memcpy(text, error->message, sizeof text);
-    dl_fail(error, DL_INPUT, "%s%s", option, text + length);
-}
-
 /* Where a method chooses its steps, and mirrors act at their ends, what is hit is a matter of
  * chance. */
 static void warn_of_mirrors(const job *work) {
@@ -164,9 +154,11 @@ static dl_status integrate(job *work, const run_values *values, dl_run_summary *
     warn_of_mirrors(work);
     dl_status status = dl_run(work->scene, work->row, work->options, &how, summary, NULL, error);
     if (status == DL_INPUT && values->t_end > 0)
-        name_option("end: ", "--t-end: ", error);
+        cli_name_option("end: ", "--t-end: ", error);
     if (status == DL_INPUT && values->sample > 0)
-        name_option("sample: ", "--sample: ", error);
+        cli_name_option("sample: ", "--sample: ", error);
+    if (status == DL_INPUT)
+        cli_name_option("step: ", values->dt ? "--dt: step: " : "--set: step: ", error);
     if (progress)
         cli_show_progress(NULL);
     if (work->trajectory) {

@@ -41,6 +41,8 @@ dl_status cli_measure(const cli_input *input, const cli_measurement *asked, dl_f
                                         .interrupt = cli_catch_signals(),
                                         .on_progress = progress ? show_progress : NULL};
     status = dl_study_measure_alone(&request, finding, error);
+    if (status == DL_INPUT && asked->sample > 0)
+        cli_name_option("sample: ", "--sample: ", error);
     if (progress)
         cli_show_progress(NULL);
     return status;

@@ -38,6 +38,15 @@ dl_status cli_settings_read(const cli_input *input, const char *dt, const char *
     return status;
 }
 
+void cli_name_option(const char *key, const char *option, dl_error *error) {
+    char text[DL_MESSAGE_SIZE];
+    const size_t length = strlen(key);
+    if (strncmp(error->message, key, length) != 0)
+        return;
+    memcpy(text, error->message, sizeof text);
+    dl_fail(error, DL_INPUT, "%s%s", option, text + length);
+}
+
 dl_status cli_settings_method(const char *method, dl_error *error) {
     return method ? DL_OK
                   : dl_fail(error, DL_INPUT,

@@ -20,6 +20,10 @@ typedef struct cli_setting {
 dl_status cli_settings_read(const cli_input *input, const char *dt, const char *rtol,
                             cli_setting settings[CLI_MAX_SETTINGS], size_t *count, dl_error *error);
 
+/* A message that begins with `key`, "end: ", begins with `option`, "--t-end: ", instead: what was
+ * given on the line is named as it was given. */
+void cli_name_option(const char *key, const char *option, dl_error *error);
+
 /* DL_INPUT where there is no --method. */
 dl_status cli_settings_method(const char *method, dl_error *error);
 

@@ -211,6 +211,8 @@ static dl_status arkode_advance(dl_method *method, double t_stop, dl_error *erro
         flag = kind->land(method, t_stop, &t);
     if (flag < 0) {
         data->stale = true;
+        if (flag == ARK_ILL_INPUT && method->step == 0 && dl_sundials_too_near(method->t, t_stop))
+            return dl_sundials_fail_near(method->row->name, method->t, t_stop, error);
         return dl_arkode_fail(data, flag, "ARKODE", error);
     }
     memcpy(method->y, data->work, 2 * method->n * sizeof *method->y);

@@ -85,15 +85,18 @@ static bool uses_depth(dl_solver_kind kind) {
 }
 
 static void give_reason(const dl_method *method, double factor, dl_conserving_choice *choice) {
-    char depth[32] = "", rescue[64] = "";
+    char depth[32] = "", rescue[64] = "", left[64];
     if (uses_depth(choice->solver.kind))
         snprintf(depth, sizeof depth, " of depth %ld", choice->solver.depth);
     if (choice->has_rescue)
         snprintf(rescue, sizeof rescue, "; where it fails, %s",
                  dl_solver_names[choice->rescue.kind]);
-    snprintf(choice->reason, sizeof choice->reason,
-             "%s%s: at the start a fixed point leaves %.2g of an error, %zu unknowns%s",
-             dl_solver_names[choice->solver.kind], depth, factor, method->n, rescue);
+    if (isfinite(factor))
+        snprintf(left, sizeof left, "a fixed point leaves %.2g of an error", factor);
+    else
+        snprintf(left, sizeof left, "what a fixed point leaves of an error cannot be told");
+    snprintf(choice->reason, sizeof choice->reason, "%s%s: at the start %s, %zu unknowns%s",
+             dl_solver_names[choice->solver.kind], depth, left, method->n, rescue);
 }
 
 dl_status dl_conserving_choose(const dl_method *method, const dl_conserving_state *state,

@@ -141,6 +141,8 @@ static dl_status cvode_advance(dl_method *method, double t_stop, dl_error *error
         flag = CVode(data->memory, t_stop, data->y, &t, CV_ONE_STEP);
     if (flag < 0) {
         data->stale = true;
+        if (flag == CV_ILL_INPUT && dl_sundials_too_near(method->t, t_stop))
+            return dl_sundials_fail_near(method->row->name, method->t, t_stop, error);
         return dl_sundials_fail(&data->implicit.sundials, meanings, flag, "CVode", error);
     }
     memcpy(method->y, data->work, 2 * method->n * sizeof *method->y);

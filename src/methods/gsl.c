@@ -120,8 +120,33 @@ static dl_status gsl_create(dl_method *method, dl_error *error) {
 static const double least_step = 1e-15, least_mean_step = 1e-6;
 enum { window = 20000 };
 
+/* A part of the scene's step in which nothing blows up. Steps as short are tried at the start
+ * alone: later they do not move the time. */
+static const double vanishing_step = 1e-30;
+
+/* Not counted; leaves nothing of use in data->work. */
+static bool has_acceleration(const dl_method *method) {
+    const gsl *const data = method->data;
+    const dl_counts counts = data->model->counts;
+    const dl_status status = dl_model_acceleration(data->model, method->y, data->work, NULL);
+    data->model->counts = counts;
+    return !status;
+}
+
+/* Steps that fail however short they are, from a state that is none to fail from, are GSL's own
+ * numbers that overflow. */
+static bool has_vanished(const dl_method *method, double step) {
+    const gsl *const data = method->data;
+    return method->step == 0 && (!data->model_status || data->model_status == DL_UNSTABLE) &&
+           !(step > vanishing_step * data->model->scene->step) && has_acceleration(method);
+}
+
 static dl_status failed(const dl_method *method, int flag, double step, dl_error *error) {
     const gsl *const data = method->data;
+    if (flag != GSL_ENOMEM && has_vanished(method, step))
+        return dl_fail(error, DL_STEP_FAILURE,
+                       "%s found no step at t = %.10g, however short: too much accuracy asked",
+                       method->row->name, method->t);
     if (data->model_status)
         return dl_fail(error, data->model_status, "%s", data->model_error.message);
     if (flag == GSL_ENOMEM)

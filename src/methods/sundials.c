@@ -1,5 +1,7 @@
 #include "methods/sundials.h"
 
+#include <float.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <arkode/arkode_arkstep.h>
@@ -252,4 +254,16 @@ dl_status dl_sundials_fail(const dl_sundials *sundials, const dl_sundials_meanin
     if (sundials->message[0])
         return dl_fail(error, status, "%s", sundials->message);
     return dl_fail(error, status, "%s failed with return code %d", function, flag);
+}
+
+bool dl_sundials_too_near(double t, double t_stop) {
+    return fabs(t_stop - t) * fabs(t_stop - t) < DBL_MIN;
+}
+
+dl_status dl_sundials_fail_near(const char *method, double t, double t_stop, dl_error *error) {
+    return dl_fail(
+        error, DL_STEP_FAILURE,
+        "%s cannot go from t = %.10g to %.10g: SUNDIALS multiplies times as short by one "
+        "another, which leaves 0; expected %.3g or more between them",
+        method, t, t_stop, sqrt(DBL_MIN));
 }

@@ -114,4 +114,10 @@ int dl_sundials_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *user_data);
 dl_status dl_sundials_fail(const dl_sundials *sundials, const dl_sundials_meaning *meanings,
                            int flag, const char *function, dl_error *error);
 
+/* Whether SUNDIALS, which multiplies times by one another, cannot tell t from t_stop: the product
+ * is lost to underflow, and it says that t_stop is behind t. */
+bool dl_sundials_too_near(double t, double t_stop);
+/* Why a step failed that did so because of that. */
+dl_status dl_sundials_fail_near(const char *method, double t, double t_stop, dl_error *error);
+
 #endif

@@ -182,8 +182,17 @@ static dl_status check_whole(const dl_yaml *yaml, const dl_yaml_node *node, cons
         return DL_OK;
     char expected[96], step_text[40];
     dl_format_real(step, step_text, sizeof step_text);
-    snprintf(expected, sizeof expected, "a whole number of steps of %s", step_text);
+    if (time / step > DL_MOST_STEPS)
+        snprintf(expected, sizeof expected, "at most %.0f steps of %s", DL_MOST_STEPS, step_text);
+    else
+        snprintf(expected, sizeof expected, "a whole number of steps of %s", step_text);
     return dl_yaml_fail(yaml, dl_yaml_get(node, key), key, expected, error);
+}
+
+/* 0 where the key is not given. */
+static int line_of(const dl_yaml_node *map, const char *key) {
+    const dl_yaml_node *const node = map ? dl_yaml_get(map, key) : NULL;
+    return node ? dl_yaml_line(node) : 0;
 }
 
 static dl_status read_time(const dl_yaml *yaml, const dl_yaml_node *root, dl_scene *scene,
@@ -200,6 +209,8 @@ static dl_status read_time(const dl_yaml *yaml, const dl_yaml_node *root, dl_sce
     scene->step = times.step;
     scene->end = times.end;
     scene->sample = times.sample;
+    scene->end_line = line_of(node, "end");
+    scene->sample_line = line_of(node, "sample");
     return status;
 }
 
@@ -208,6 +219,7 @@ static dl_status read_radiation(const dl_yaml *yaml, const dl_yaml_node *root, d
     const dl_yaml_node *const node = dl_yaml_get(root, "radiation");
     dl_radiation *const radiation = &scene->radiation;
     const dl_status status = dl_scene_read_radiation(yaml, node, radiation, error);
+    scene->period_line = line_of(node, "period");
     return status ? status
                   : check_whole(yaml, node, "period", radiation->period, scene->step, error);
 }

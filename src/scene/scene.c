@@ -45,9 +45,8 @@ dl_status dl_scene_allocate(dl_scene *scene, dl_error *error) {
 }
 
 size_t dl_whole_steps(double time, double step) {
-    const double largest = 9007199254740992.0; /* 2^53 */
     const double ratio = time / step, whole = nearbyint(ratio);
-    const bool ok = whole >= 1 && whole <= largest && fabs(ratio - whole) <= 1e-9 * whole;
+    const bool ok = whole >= 1 && whole <= DL_MOST_STEPS && fabs(ratio - whole) <= 1e-9 * whole;
     return ok ? (size_t)whole : 0;
 }
 

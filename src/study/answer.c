@@ -250,7 +250,7 @@ static void print_accuracies(const dl_results *results, const fronts *of, FILE *
 }
 
 void dl_finding_print(const dl_finding *finding, FILE *out) {
-    fprintf(out, "  %s %s: ", finding->method, finding->options);
+    fprintf(out, "  %s%s%s: ", finding->method, *finding->options ? " " : "", finding->options);
     if (finding->status != DL_OK)
         fprintf(out, "could not be measured (%s): %s\n", dl_status_name(finding->status),
                 finding->message);

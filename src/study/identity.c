@@ -130,19 +130,21 @@ static char *shell_word(const char *word) {
     return quoted;
 }
 
+/* `measure` chooses the same samples where nobody asks for any. */
 char *dl_study_case_command(const dl_study *study, const dl_study_case *cased) {
     const dl_study_scene *on = &study->scene[cased->scene];
-    char end[40], sample[40];
+    char end[40], sample[40], asked[64] = "";
     dl_format_real(on->end, end, sizeof end);
     dl_format_real(on->sample, sample, sizeof sample);
+    if (!study->kind->measure || !on->sample_chosen)
+        snprintf(asked, sizeof asked, " --sample %s", sample);
     char *path = shell_word(on->path);
     char *verb = study->kind->measure ? dl_text("measure %s", dl_study_kinds[study->settings.kind])
                                       : dl_text("run");
-    char *command = path && verb
-                        ? dl_text("driftlab %s %s%s --method %s%s%s --t-end %s --sample %s", verb,
-                                  path, on->lets ? on->lets : "", cased->run.row->name,
-                                  cased->run.changes, study->kind_changes, end, sample)
-                        : NULL;
+    char *command = path && verb ? dl_text("driftlab %s %s%s --method %s%s%s --t-end %s%s", verb,
+                                           path, on->lets ? on->lets : "", cased->run.row->name,
+                                           cased->run.changes, study->kind_changes, end, asked)
+                                 : NULL;
     free(verb);
     free(path);
     return command;

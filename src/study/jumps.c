@@ -2,19 +2,17 @@
 
 #include <math.h>
 
-#include "driftlab/scene.h"
+#include "observe/schedule.h"
 
 dl_status dl_jumps_create(const dl_scene *scene, double step, dl_jumps *jumps, dl_error *error) {
     *jumps = (dl_jumps){.period = scene->radiation.present ? scene->radiation.period : 0};
     if (jumps->period == 0 || step == 0)
         return DL_OK;
-    jumps->steps_between = dl_whole_steps(jumps->period, step);
-    return jumps->steps_between
-               ? DL_OK
-               : dl_fail(error, DL_INPUT,
-                         "radiation: period: found %.15g, expected a whole number of steps of "
-                         "%.15g",
-                         jumps->period, step);
+    const dl_run_time period = {.key = "period of radiation",
+                                .value = jumps->period,
+                                .file = scene->file,
+                                .line = scene->period_line};
+    return dl_schedule_whole_steps(&period, step, &jumps->steps_between, error);
 }
 
 bool dl_jumps_due_at_step(const dl_jumps *jumps, size_t steps, size_t *at) {

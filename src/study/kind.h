@@ -16,6 +16,7 @@ typedef struct dl_study_unit {
     const dl_method_row *row;
     const void *options;  /* of the row's table; a copy is the kind's to change */
     double end, sample;   /* of the study on that scene */
+    bool sample_chosen;   /* nobody asked for `sample`: it may be rounded to whole steps */
     double seconds;       /* CPU time one run may take */
     const void *settings; /* of the kind's table */
     dl_run_function *run;

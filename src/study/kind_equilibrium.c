@@ -13,6 +13,7 @@
 #include <string.h>
 #include "core/random_stream.h"
 #include "driftlab/trajectory.h"
+#include "study/drift.h"
 #include "study/equilibrium.h"
 
 enum { most_runs = 64 };
@@ -48,11 +49,21 @@ static const dl_parameter rows[] = {
      .doc = "width of the bins of height that particles are counted in; 0: chosen"},
 };
 
+/* Samples that nobody asked for are whole steps. */
+static dl_study_unit with_whole_steps(const dl_study_unit *unit) {
+    dl_study_unit rounded = *unit;
+    const dl_drift_knob knob = dl_drift_knob_of(unit->row, unit->options);
+    if (unit->sample_chosen)
+        rounded.sample = dl_drift_interval(unit, &knob);
+    return rounded;
+}
+
 static dl_status check(const dl_study_unit *unit, dl_error *error) {
     const dl_equilibrium_settings *settings = unit->settings;
+    const dl_study_unit rounded = with_whole_steps(unit);
     dl_channels channels;
     const dl_status status = dl_channels_create(unit->scene, settings->bin, &channels, error);
-    return status == DL_OK ? dl_study_try_start(unit, error) : status;
+    return status == DL_OK ? dl_study_try_start(&rounded, error) : status;
 }
 
 /* --- runs --------------------------------------------------------------------------------------
@@ -261,10 +272,11 @@ static dl_status add_table(const ensemble *of, dl_finding *finding, dl_error *er
 }
 
 static dl_status measure(const dl_study_unit *unit, dl_finding *finding, dl_error *error) {
+    const dl_study_unit rounded = with_whole_steps(unit);
     ensemble *of = calloc(1, sizeof *of);
     if (!of)
         return dl_fail_memory(error, "runs");
-    of->unit = unit;
+    of->unit = &rounded;
     dl_status status = run_all(of, error);
     const bool complete = status == DL_OK && of->run[of->runs - 1].summary.status == DL_OK;
     if (complete)

@@ -51,7 +51,14 @@ static dl_status add_scene(const dl_measure_request *request, dl_study *study, d
     on->end = request->end > 0 ? request->end : on->scene->end;
     on->sample =
         request->sample > 0 ? request->sample : on->end / (double)dl_study_samples_of(study->kind);
-    study->settings.samples = lround(on->end / on->sample);
+    on->sample_chosen = !(request->sample > 0);
+    const double samples = on->end / on->sample;
+    if (samples > DL_MOST_SAMPLES)
+        return dl_fail(error, DL_INPUT,
+                       "sample: found %.15g, expected at least %.6g, which makes %.0f samples up "
+                       "to %.15g",
+                       on->sample, on->end / DL_MOST_SAMPLES, (double)DL_MOST_SAMPLES, on->end);
+    study->settings.samples = lround(samples);
     return DL_OK;
 }
 

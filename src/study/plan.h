@@ -7,6 +7,8 @@
 #include "driftlab/study.h"
 #include "io/yaml.h"
 
+enum { DL_MOST_SAMPLES = 1000000 }; /* of a study's run */
+
 /* The scalars of the study file; see the table in plan_read.c. */
 typedef struct dl_study_settings {
     char *name, *title, *question;
@@ -44,6 +46,7 @@ typedef struct dl_study_scene {
     char *lets;         /* " --let a=1": what the study sets in it; NULL or "": nothing */
     uint64_t hash;      /* of its text and data */
     double end, sample; /* what every run on it is given */
+    bool sample_chosen; /* nobody asked for it: it may be rounded to whole steps */
     dl_study_run_of reference, check;
     char *reference_key;
     char *reference_text; /* in words */
@@ -65,6 +68,7 @@ typedef dl_status dl_run_function(const dl_scene *scene, const dl_method_row *ro
 struct dl_study {
     char *path;
     dl_study_settings settings;
+    bool samples_chosen; /* the file does not say how many */
     dl_study_limits limits;
     const dl_study_kind *kind;
     void *kind_settings; /* of the kind's table; NULL where it has none */

@@ -60,7 +60,7 @@ static const dl_parameter setting_rows[] = {
      AT(dl_study_settings, samples),
      .unit = "",
      .minimum = 0,
-     .maximum = 1e6,
+     .maximum = DL_MOST_SAMPLES,
      .fallback = "0",
      .doc = "equal intervals between samples, which fixed steps must divide; 0: 20, or as many as "
             "the kind says below"},
@@ -244,6 +244,7 @@ static dl_status add_scene(dl_study *study, const dl_yaml *yaml, const dl_yaml_n
     on->hash = dl_scene_hash(on->scene);
     on->end = study->settings.end > 0 ? study->settings.end : on->scene->end;
     on->sample = on->end / (double)study->settings.samples;
+    on->sample_chosen = study->samples_chosen;
     for (size_t i = 0; i + 1 < study->scenes; i++)
         if (strcmp(study->scene[i].scene->name, on->scene->name) == 0)
             return dl_yaml_fail(yaml, node, "scene", "scenes of different names", error);
@@ -440,7 +441,8 @@ long dl_study_samples_of(const dl_study_kind *kind) {
 static dl_status read_kind(dl_study *study, const dl_yaml *yaml, dl_error *error) {
     const dl_study_kind *kind = study->kind = dl_study_kind_rows[study->settings.kind];
     const dl_yaml_node *with = dl_yaml_get(dl_yaml_root(yaml), "with");
-    if (study->settings.samples == 0)
+    study->samples_chosen = study->settings.samples == 0;
+    if (study->samples_chosen)
         study->settings.samples = dl_study_samples_of(kind);
     dl_status status = check_keys_of_kind(study, yaml, error);
     if (status != DL_OK)

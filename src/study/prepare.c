@@ -46,7 +46,9 @@ dl_status dl_study_try_start(const dl_study_unit *unit, dl_error *error) {
         status = dl_method_create(unit->row, model, unit->options, y, &method, error);
     }
     if (status == DL_OK) {
-        status = dl_schedule_create(unit->end, unit->sample, method->step, &schedule, error);
+        const double end = unit->end == unit->scene->end ? 0 : unit->end; /* the scene's */
+        status =
+            dl_schedule_of_scene(unit->scene, end, unit->sample, method->step, &schedule, error);
         if (status == DL_OK)
             status = dl_jumps_create(unit->scene, method->step, &jumps, error);
     } else if (status != DL_INPUT && status != DL_MEMORY)
@@ -68,12 +70,66 @@ static void leave_out_step(char *text) {
     memmove(at, rest, strlen(rest) + 1);
 }
 
-static dl_status describe(const dl_study *study, dl_study_run_of *run, size_t count,
-                          const char *const *key, const char *const *value, dl_error *error) {
+/* The options as a kind that chooses the step uses them: with a step. */
+static dl_status options_with_step(const dl_study_run_of *run, const dl_scene *scene,
+                                   void **options, dl_error *error) {
+    char step[40];
+    dl_status status = dl_method_options_copy(run->row, run->options, options, error);
+    if (status != DL_OK || !dl_parameter_find(run->row->options, "step"))
+        return status;
+    dl_format_real(scene->step, step, sizeof step);
+    status = dl_method_options_set(run->row, *options, "step", step, error);
+    if (status == DL_OK)
+        return DL_OK;
+    dl_method_options_free(run->row, *options);
+    *options = NULL;
+    return status;
+}
+
+/* What is used without a step alone. */
+static dl_status refuse_unused(const dl_study *study, const dl_study_run_of *run,
+                               const void *with_step, size_t count, const char *const *key,
+                               const char *const *value, dl_error *error) {
+    const dl_parameter_table table = run->row->options;
+    for (size_t i = 0; i < count; i++) {
+        const dl_parameter *const option = dl_parameter_find(table, key[i]);
+        if (option && dl_parameter_applies(table, option, run->options) &&
+            !dl_parameter_applies(table, option, with_step))
+            return dl_fail(error, DL_INPUT,
+                           "%s: found %s, expected none: a study of kind %s keeps steps fixed, "
+                           "where %s has no use",
+                           key[i], value[i], dl_study_kinds[study->settings.kind], key[i]);
+    }
+    return DL_OK;
+}
+
+/* The text of every option that is used. */
+static dl_status format_used(const dl_study *study, const dl_study_scene *on,
+                             const dl_study_run_of *run, size_t count, const char *const *key,
+                             const char *const *value, char *text, size_t size, dl_error *error) {
+    if (!study->kind->chooses_step) {
+        dl_method_options_format(run->row, run->options, text, size);
+        return DL_OK;
+    }
+    void *with_step = NULL;
+    dl_status status = options_with_step(run, on->scene, &with_step, error);
+    if (status != DL_OK)
+        return status;
+    status = refuse_unused(study, run, with_step, count, key, value, error);
+    dl_method_options_format(run->row, with_step, text, size);
+    leave_out_step(text);
+    dl_method_options_free(run->row, with_step);
+    return status;
+}
+
+static dl_status describe(const dl_study *study, const dl_study_scene *on, dl_study_run_of *run,
+                          size_t count, const char *const *key, const char *const *value,
+                          dl_error *error) {
     char text[4096];
-    dl_method_options_format(run->row, run->options, text, sizeof text);
-    if (study->kind->chooses_step)
-        leave_out_step(text);
+    const dl_status status =
+        format_used(study, on, run, count, key, value, text, sizeof text, error);
+    if (status != DL_OK)
+        return status;
     run->text = dl_text("%s", text);
     run->changes = dl_text("%s", "");
     for (size_t i = 0; i < count && run->changes; i++) {
@@ -91,6 +147,7 @@ static dl_status check_unit(const dl_study *study, const dl_study_scene *on,
                                 .options = run->options,
                                 .end = on->end,
                                 .sample = on->sample,
+                                .sample_chosen = on->sample_chosen,
                                 .seconds = study->limits.seconds,
                                 .settings = study->kind_settings,
                                 .run = study->run};
@@ -117,7 +174,7 @@ dl_status dl_study_prepare(const dl_study *study, const dl_study_scene *on,
     }
     if (status == DL_OK) {
         at = line[0];
-        status = describe(study, run, count, key, value, &reason);
+        status = describe(study, on, run, count, key, value, &reason);
     }
     if (status == DL_OK)
         status = check_unit(study, on, run, &reason);

@@ -396,9 +396,8 @@ static dl_status create_parts(run *r, const dl_scene *scene, const dl_method_row
         status = dl_located_create(r->method, r->observer, &r->watch, &r->located, error);
     if (status)
         return status;
-    const double end = r->options->end != 0 ? r->options->end : scene->end;
-    const double interval = r->options->sample != 0 ? r->options->sample : scene->sample;
-    status = dl_schedule_create(end, interval, r->method->step, &r->schedule, error);
+    status = dl_schedule_of_scene(scene, r->options->end, r->options->sample, r->method->step,
+                                  &r->schedule, error);
     return status ? status : dl_jumps_create(scene, r->method->step, &r->jumps, error);
 }
 

@@ -57,6 +57,7 @@ static void work_on_unit(void *context, int pipe) {
                                 .options = work->cased->run.options,
                                 .end = on->end,
                                 .sample = on->sample,
+                                .sample_chosen = on->sample_chosen,
                                 .seconds = study->limits.seconds,
                                 .settings = study->kind_settings,
                                 .run = study->run,
