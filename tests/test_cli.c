@@ -75,7 +75,8 @@ static void help_everywhere(void **state) {
     expect_text("--version", "HDF5");
     expect_text("run --version", "driftlab ");
     expect_text("explain " DROP, "neighbour");
-    expect_text("explain " DL_STUDIES "/kepler/kepler.yaml --cost --repeats 1 --seconds 1e-4", "| everything |");
+    expect_text("explain " DL_STUDIES "/kepler/kepler.yaml --cost --repeats 1 --seconds 1e-4",
+                "| everything |");
     expect_text("list kernels", "neighbour-list");
     expect_text("list statuses", "nonlinear-failure");
     assert_int_equal(driftlab("")->exit, 2);

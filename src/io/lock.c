@@ -53,8 +53,8 @@ dl_status dl_lock_take(dl_lock *lock, const char *path, dl_error *error) {
     }
     close(lock->file);
     lock->file = -1;
-    return dl_fail(error, DL_INPUT, "%s: another driftlab is writing it; wait for it, or name another",
-                   path);
+    return dl_fail(error, DL_INPUT,
+                   "%s: another driftlab is writing it; wait for it, or name another", path);
 }
 
 void dl_lock_release(dl_lock *lock) {
