@@ -1,7 +1,9 @@
+# shellcheck shell=bash
 # What tests of pages in a real browser share; they source it, DRIFTLAB their own first argument. Sets
 # `program`, `chromium` and `work`, a folder that is removed at the end; ends the test as skipped where
 # there is no browser.
 
+# shellcheck disable=SC2034 # for those that source it
 program=$1
 chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
 if [ -z "$chromium" ]; then

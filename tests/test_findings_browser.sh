@@ -6,6 +6,7 @@
 #     test_findings_browser.sh DRIFTLAB
 set -euo pipefail
 
+# shellcheck source=tests/fixture_browser.sh
 . "$(dirname "$0")/fixture_browser.sh"
 
 cat > "$work/hexagon.yaml" <<'SCENE'

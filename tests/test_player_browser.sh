@@ -5,6 +5,7 @@
 #     test_player_browser.sh DRIFTLAB
 set -euo pipefail
 
+# shellcheck source=tests/fixture_browser.sh
 . "$(dirname "$0")/fixture_browser.sh"
 
 # Three particles of TR299's masses, far apart: they fly straight. One leaves the others behind.

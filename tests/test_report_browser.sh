@@ -5,6 +5,7 @@
 #     test_report_browser.sh DRIFTLAB      (test_report, built beside it, fabricates the studies)
 set -euo pipefail
 
+# shellcheck source=tests/fixture_browser.sh
 . "$(dirname "$0")/fixture_browser.sh"
 
 fabricate=$(dirname "$program")/test_report
