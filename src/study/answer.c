@@ -50,39 +50,6 @@ static const dl_study_kind *kind_of(const dl_results *results) {
     return &dl_study_kind_work_precision;
 }
 
-void dl_results_answer(const dl_results *results, const char *scene, char *text, size_t size) {
-    if (kind_of(results)->answer) {
-        kind_of(results)->answer(results, scene, text, size);
-        return;
-    }
-    const char *in = results->asked_in, *article = in_energy(in) ? "an" : "a";
-    const dl_case *found = dl_results_cheapest(results, scene, in, results->asked_error);
-    if (found) {
-        snprintf(text, size,
-                 "cheapest for %s %s error of %g on %s: %s with %s (%.3g CPU s, %lu force "
-                 "evaluations; its error: %.2g)",
-                 article, in, results->asked_error, scene, found->method, found->options,
-                 found->summary.cpu_seconds, found->summary.force_evaluations,
-                 dl_case_error(found, in));
-        return;
-    }
-    found = closest(results, scene);
-    if (found)
-        snprintf(text, size,
-                 "nothing reached %s %s error of %g on %s; the closest was %s with %s (%.2g)",
-                 article, in, results->asked_error, scene, found->method, found->options,
-                 bound(results, found, in));
-    else
-        snprintf(text, size, "nothing reached %s %s error of %g on %s: no case ran to its end",
-                 article, in, results->asked_error, scene);
-}
-
-/* A number, or a dash where it does not apply. */
-static const char *number(double value, char text[16]) {
-    snprintf(text, 16, isfinite(value) ? "%.2e" : "-", value);
-    return text;
-}
-
 /* Length of the word "key=value" at `options`, and of its key. */
 static size_t word_length(const char *options, size_t *key) {
     *key = strcspn(options, "= ");
@@ -123,6 +90,43 @@ static void short_options(const dl_results *results, const dl_case *cased,
         used += (size_t)snprintf(text + used, OPTIONS_SIZE - used, "%s%.*s", used ? " " : "",
                                  (int)length, word);
     }
+}
+
+void dl_results_answer(const dl_results *results, const char *scene, char *text, size_t size) {
+    if (kind_of(results)->answer) {
+        kind_of(results)->answer(results, scene, text, size);
+        return;
+    }
+    const char *in = results->asked_in, *article = in_energy(in) ? "an" : "a";
+    const dl_case *found = dl_results_cheapest(results, scene, in, results->asked_error);
+    char options[OPTIONS_SIZE];
+    if (found) {
+        short_options(results, found, options);
+        snprintf(text, size,
+                 "cheapest for %s %s error of %g on %s: %s with %s (%.3g CPU s, %lu force "
+                 "evaluations; its error: %.2g)",
+                 article, in, results->asked_error, scene, found->method, options,
+                 found->summary.cpu_seconds, found->summary.force_evaluations,
+                 dl_case_error(found, in));
+        return;
+    }
+    found = closest(results, scene);
+    if (found) {
+        short_options(results, found, options);
+        snprintf(text, size,
+                 "nothing reached %s %s error of %g on %s; the closest was %s with %s (%.2g)",
+                 article, in, results->asked_error, scene, found->method, options,
+                 bound(results, found, in));
+    } else {
+        snprintf(text, size, "nothing reached %s %s error of %g on %s: no case ran to its end",
+                 article, in, results->asked_error, scene);
+    }
+}
+
+/* A number, or a dash where it does not apply. */
+static const char *number(double value, char text[16]) {
+    snprintf(text, 16, isfinite(value) ? "%.2e" : "-", value);
+    return text;
 }
 
 typedef struct widths {
