@@ -351,6 +351,8 @@ static void errors_past_the_horizon_are_none(void **state) {
     assert_int_equal(fclose(out), 0);
     assert_non_null(strstr(text, "largest Lyapunov exponent: 2 "));
     assert_non_null(strstr(text, "horizon: t = 1"));
+    assert_non_null(strstr(text, "   horizon! "));
+    assert_non_null(strstr(text, "nothing reached"));
     free(text);
     dl_results_free(results);
     dl_study_free(study);

@@ -169,6 +169,10 @@ const dl_case *dl_results_cheapest(const dl_results *results, const char *scene,
  * "angular-momentum" (largest over the samples, in units of its scale); NaN where it has none. */
 double dl_case_error(const dl_case *cased, const char *asked_in);
 
+/* Whether the run ended past the horizon of the reference (NULL: there is none): its positions at
+ * the end are then no error of the method, and are not shown as one. */
+bool dl_case_is_past_horizon(const dl_case *cased, const dl_reference *reference);
+
 /* What that error is certainly below: a position error that is smaller than the reference (NULL:
  * there is none) can tell is at most that much larger. Infinite for a run that does not count, and
  * for positions past the horizon. */

@@ -116,12 +116,14 @@ static void put_costs(builder *build, json_t *object, const dl_run_summary *summ
 
 static void put_errors(builder *build, json_t *object, const dl_case *cased) {
     const dl_run_summary *summary = &cased->summary;
+    const bool past =
+        dl_case_is_past_horizon(cased, dl_results_reference(build->results, cased->scene));
     const struct {
         const char *name;
         double value;
     } table[] = {
-        {"position_error", cased->position_error},
-        {"position_error_max", cased->position_error_max},
+        {"position_error", past ? NAN : cased->position_error},
+        {"position_error_max", past ? NAN : cased->position_error_max},
         {"position_error_ever", cased->position_error_ever},
         {"energy_error", relative(summary->energy_error_max, summary->energy_scale)},
         {"energy_error_final", relative(summary->energy_error_final, summary->energy_scale)},

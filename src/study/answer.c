@@ -181,10 +181,12 @@ static void print_case(const dl_results *results, size_t index, widths wide, con
     const dl_run_summary *run = &cased->summary;
     const char *cpu = is_on(of->cpu, of->cpus, index) ? " cpu" : "";
     const char *forces = is_on(of->forces, of->forced, index) ? " forces" : "";
+    const bool past = dl_case_is_past_horizon(cased, dl_results_reference(results, cased->scene));
     short_options(results, cased, options);
     fprintf(out, "  %-*s  %-*s  %-17s %9s %9lu %9lu %9s%c %9s%s%s%s\n", wide.method, cased->method,
             wide.options, options, dl_status_name(run->status), number(run->cpu_seconds, seconds),
-            run->force_evaluations, run->steps, number(dl_case_error(cased, "position"), position),
+            run->force_evaluations, run->steps,
+            past ? "horizon" : number(dl_case_error(cased, "position"), position),
             *cased->refused || *cased->invalid ? '!' : ' ',
             number(dl_case_error(cased, "energy"), energy), *cpu || *forces ? " " : "", cpu,
             forces);

@@ -58,14 +58,18 @@ double dl_case_error(const dl_case *cased, const char *asked_in) {
     return dl_error_row_of(asked_in)->of(cased);
 }
 
+bool dl_case_is_past_horizon(const dl_case *cased, const dl_reference *reference) {
+    return reference && reference->horizon > 0 &&
+           reference->horizon <= cased->summary.t_end_reached;
+}
+
 /* A position error that the reference cannot tell is at most its sum with the reference's own;
  * which of these says something is known of the RMS at the end alone. */
 static double unresolved(const dl_case *cased, const dl_error_row *row, double error,
                          const dl_reference *reference) {
     if (!reference || row != &dl_error_rows[0])
         return INFINITY;
-    const bool past = reference->horizon > 0 && reference->horizon <= cased->summary.t_end_reached;
-    return past ? INFINITY : error + reference->error;
+    return dl_case_is_past_horizon(cased, reference) ? INFINITY : error + reference->error;
 }
 
 double dl_case_bound(const dl_case *cased, const char *asked_in, const dl_reference *reference) {
