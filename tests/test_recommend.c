@@ -284,9 +284,10 @@ static void bad_input_is_refused(void **state) {
     }
 }
 
+/* In the foreground: else timeout signals the program and its group, and a second SIGINT kills. */
 static void interrupt_ends_it(void **state) {
     (void)state;
-    const outcome *o = driftlab_after("timeout --preserve-status -s INT 1",
+    const outcome *o = driftlab_after("timeout --foreground --preserve-status -s INT 1",
                                       "recommend " DL_STUDIES "/swirl/swirl.yaml --error 1e-9");
     assert_int_equal(o->exit, 130);
     assert_string_equal(o->out, "");
