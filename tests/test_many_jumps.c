@@ -191,7 +191,8 @@ static void lift_at_once(const dl_scene *scene, const dl_method_row *row) {
     assert_int_equal(dl_located_counts_get(located).releases, 1);
     assert_int_equal(dl_located_counts_get(located).hits, 0);
     const double rise = method->y[2] / (lift * h * h / 2), speed = method->y[6] / (lift * h);
-    if (!(fabs(rise - 1) < 3e-4) || !(fabs(speed - 1) < 1e-4))
+    const double near = strcmp(row->name, "gsl-msbdf") == 0 ? 3e-4 : 1e-4; /* to its tolerance */
+    if (!(fabs(rise - 1) < near) || !(fabs(speed - 1) < 1e-4))
         fail_msg("%s: rises by %.9g, with %.9g of what a release at once gives", row->name, rise,
                  speed);
     dl_located_free(located);
