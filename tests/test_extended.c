@@ -512,6 +512,34 @@ static void walls_let_fall_what_nothing_presses(void **state) {
     dl_scene_free(scene);
 }
 
+/* One that slides along its wall bounces on the cutoff of a body that goes along, twice: as seen
+ * from the body it keeps its energy, though it is pressed to the wall again. */
+static void what_slides_along_a_wall_loses_nothing(void **state) {
+    (void)state;
+    dl_scene *const scene = scene_of_text(
+        "name: slides\ndimension: 2\nparticles:\n"
+        "  - {at: [0, 0]}\n"
+        "  - {at: [0.5, 0], velocity: [1, 0], inertia: 1.0e18, coupling: 1, gravity: false}\n"
+        "  - {at: [0.3, -1.5], velocity: [0, -0.125], inertia: 1.0e18, coupling: 1, gravity: "
+        "false}\n"
+        "pair_law: [{until: 1, terms: [{coefficient: 3, power: 2}]}]\n"
+        "gravity: [0, -2]\nwalls: {x: [0, none], damping: 0.5, rule: located}\n"
+        "time: {step: 0.03, end: 6}\n");
+    const double begins = 2 * (1.5 + 0.5 * 0.125) + 0.125 * 0.125 / 2;
+    for (int method = DL_TAYLOR; method <= DL_GAUSS; method++) {
+        walked end = walk_to(scene, &dl_extended_long_double, (dl_extended_method)method, 6);
+        const double rises = end.high[3] - end.high[5], rate = end.high[9] + 0.125;
+        const double r = hypot(0.3, rises), potential = r < 1 ? 3 / r - 3 : 0;
+        assert_int_equal(end.counts.crossings, 5);
+        assert_int_equal(end.counts.contacts, 1);
+        assert_int_equal(end.counts.releases, 1);
+        assert_true(end.high[0] == 0 && end.high[6] == 0);
+        assert_true(fabs(rate * rate / 2 + 2 * rises + potential - begins) < 1e-13);
+        release(&end);
+    }
+    dl_scene_free(scene);
+}
+
 /* A particle on a sticking floor is lifted by another that comes near: at the time at which the
  * attraction is the gravity. */
 static void contact_is_released_when_the_press_turns(void **state) {
@@ -688,6 +716,7 @@ int main(void) {
         cmocka_unit_test(ball_comes_to_rest_where_the_bounces_accumulate),
         cmocka_unit_test(mirrors_tend_to_the_located_rule),
         cmocka_unit_test(walls_let_fall_what_nothing_presses),
+        cmocka_unit_test(what_slides_along_a_wall_loses_nothing),
         cmocka_unit_test(contact_is_released_when_the_press_turns),
         cmocka_unit_test(press_that_only_vanishes_releases_nothing),
         cmocka_unit_test(box_agrees_with_itself_and_the_double_loop),

@@ -17,7 +17,9 @@ dl_status dl_contacts_create(dl_contacts *contacts, dl_model *model, dl_error *e
     contacts->held = calloc(model->unknowns, sizeof *contacts->held);
     contacts->pressed = calloc(model->unknowns, sizeof *contacts->pressed);
     contacts->idle = calloc(model->unknowns, sizeof *contacts->idle);
-    return contacts->side && contacts->held && contacts->pressed && contacts->idle
+    contacts->slides = calloc(model->unknowns, sizeof *contacts->slides);
+    return contacts->side && contacts->held && contacts->pressed && contacts->idle &&
+                   contacts->slides
                ? DL_OK
                : dl_fail_memory(error, "resting contacts");
 }
@@ -29,6 +31,7 @@ void dl_contacts_free(dl_contacts *contacts) {
     free(contacts->held);
     free(contacts->pressed);
     free(contacts->idle);
+    free(contacts->slides);
     *contacts = (dl_contacts){.model = NULL};
 }
 
@@ -37,11 +40,11 @@ static void update_particle(dl_contacts *contacts, size_t k) {
     const dl_model *model = contacts->model;
     const size_t n = model->moving;
     const bool sticks = model->scene->walls.damping > 0;
-    bool any = false;
-    for (size_t c = 0; c < (size_t)model->dimension; c++)
-        any |= contacts->side[c * n + k] != DL_NO_WALL;
-    for (size_t c = 0; c < (size_t)model->dimension; c++)
-        contacts->held[c * n + k] = sticks ? any : contacts->side[c * n + k] != DL_NO_WALL;
+    bool rests = false;
+    for (size_t u = k; u < model->unknowns; u += n)
+        rests |= sticks && contacts->side[u] != DL_NO_WALL && !contacts->slides[u];
+    for (size_t u = k; u < model->unknowns; u += n)
+        contacts->held[u] = rests || contacts->side[u] != DL_NO_WALL;
 }
 
 static void set_side(dl_contacts *contacts, size_t u, dl_side side) {
@@ -56,7 +59,7 @@ static void set_side(dl_contacts *contacts, size_t u, dl_side side) {
 void dl_contacts_add(dl_contacts *contacts, size_t u, dl_side side, bool pressed, double *v) {
     const size_t n = contacts->model->moving, k = u % n;
     contacts->pressed[u] = pressed;
-    contacts->idle[u] = false;
+    contacts->idle[u] = contacts->slides[u] = false;
     set_side(contacts, u, side);
     for (size_t c = 0; c < (size_t)contacts->model->dimension; c++)
         if (contacts->held[c * n + k])
@@ -65,6 +68,12 @@ void dl_contacts_add(dl_contacts *contacts, size_t u, dl_side side, bool pressed
 
 void dl_contacts_release(dl_contacts *contacts, size_t u) {
     set_side(contacts, u, DL_NO_WALL);
+}
+
+void dl_contacts_let_slide(dl_contacts *contacts, size_t u) {
+    contacts->slides[u] = true;
+    contacts->idle[u] = false;
+    update_particle(contacts, u % contacts->model->moving);
 }
 
 bool dl_contacts_hold(const dl_contacts *contacts, size_t u) {
@@ -91,7 +100,8 @@ dl_status dl_contacts_find_idle(dl_contacts *contacts, const double *y, const do
                                 double *rate, dl_error *error) {
     bool any = false;
     for (size_t u = 0; contacts->count && u < contacts->model->unknowns; u++) {
-        contacts->idle[u] = contacts->side[u] != DL_NO_WALL && contacts->pressed[u] && a[u] == 0;
+        contacts->idle[u] = contacts->side[u] != DL_NO_WALL && contacts->pressed[u] &&
+                            !contacts->slides[u] && a[u] == 0;
         any |= contacts->idle[u];
     }
     const dl_status status = any ? acceleration_rate(contacts, y, rate, error) : DL_OK;

@@ -418,8 +418,8 @@ dl_status dl_located_restart(dl_located *located, dl_error *error) {
         if (dl_contacts_hold(&located->contacts, u) && located->method->y[n + u] != 0)
             for (size_t c = u % located->model->moving; c < n; c += located->model->moving)
                 if (located->contacts.side[c] != DL_NO_WALL) {
+                    located->counts.releases += !located->contacts.slides[c];
                     dl_contacts_release(&located->contacts, c);
-                    located->counts.releases++;
                 }
     return dl_located_any_touches(located) ? dl_located_collide(located, &nothing, error) : DL_OK;
 }

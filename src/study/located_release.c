@@ -1,4 +1,4 @@
-/* When a contact ends: the net normal force turns away from the wall. */
+/* When rest ends: the net normal force turns away from the wall, or is no more. */
 #include <string.h>
 
 #include "study/located_parts.h"
@@ -58,8 +58,11 @@ dl_status dl_located_release(dl_located *located, dl_error *error) {
     dl_contacts *const contacts = &located->contacts;
     for (size_t u = 0; u < located->model->unknowns; u++)
         if (contacts->side[u] != DL_NO_WALL && dl_contacts_press(contacts, u, located->a1) < 0) {
-            dl_contacts_release(contacts, u);
-            located->counts.releases++;
+            located->counts.releases += !contacts->slides[u];
+            if (located->a1[u] == 0)
+                dl_contacts_let_slide(contacts, u);
+            else
+                dl_contacts_release(contacts, u);
         }
     memcpy(located->a0, located->a1, located->model->unknowns * sizeof *located->a0);
     located->a0_is_current = true;

@@ -19,11 +19,11 @@ static real away(int side, real component) {
 static void update_particle(walk *w, size_t k) {
     const size_t moving = w->model.moving;
     const bool sticks = w->model.scene->walls.damping > 0;
-    bool any = false;
+    bool rests = false;
     for (size_t u = k; u < w->model.unknowns; u += moving)
-        any |= w->side[u] != 0;
+        rests |= sticks && w->side[u] != 0 && !w->slides[u];
     for (size_t u = k; u < w->model.unknowns; u += moving)
-        w->held[u] = sticks ? any : w->side[u] != 0;
+        w->held[u] = rests || w->side[u] != 0;
 }
 
 void walk_update_held(walk *w) {
@@ -35,6 +35,7 @@ static void rest(walk *w, size_t u, int side, bool pressed) {
     const size_t moving = w->model.moving;
     w->side[u] = (signed char)side;
     w->pressed[u] = pressed;
+    w->slides[u] = false;
     update_particle(w, u % moving);
     for (size_t k = u % moving; k < w->model.unknowns; k += moving)
         if (w->held[k])
@@ -49,8 +50,18 @@ void walk_contacts_last(walk *w) {
 
 void walk_let_go(walk *w, size_t coordinate) {
     w->side[coordinate] = 0;
+    w->counts.releases += !w->slides[coordinate];
     update_particle(w, coordinate % w->model.moving);
+}
+
+void walk_let_slide(walk *w, size_t coordinate) {
+    if (w->model.scene->walls.rule == DL_MIRROR) {
+        walk_let_go(w, coordinate);
+        return;
+    }
+    w->slides[coordinate] = true;
     w->counts.releases++;
+    update_particle(w, coordinate % w->model.moving);
 }
 
 /* --- hits ------------------------------------------------------------------------------------- */

@@ -230,10 +230,10 @@ static void look_at_wall(const walk *w, size_t u, int side, event *first) {
     lower(first, &found);
 }
 
-/* Only what is pressed is held: a particle at a side wall falls when the others are out of reach.
- * By `located` a contact may begin without a press, in the moment before one. */
+/* Only what is pressed rests: a particle at a side wall falls when the others are out of reach. By
+ * `located` a contact may begin without a press, in the moment before one. */
 static bool nothing_presses(const walk *w, size_t u, const real *c) {
-    bool nothing = w->model.scene->walls.rule == DL_MIRROR || w->pressed[u];
+    bool nothing = !w->slides[u] && (w->model.scene->walls.rule == DL_MIRROR || w->pressed[u]);
     for (int k = 0; k <= w->degree; k++)
         nothing = nothing && c[k] == 0;
     return nothing;
@@ -247,6 +247,7 @@ static void look_at_contact(const walk *w, size_t u, event *first) {
     event found = {.kind = EVENT_RELEASE, .coordinate = u, .side = w->side[u]};
     if (nothing_presses(w, u, c)) {
         found.tau = found.latest = 0;
+        found.idle = true;
         lower(first, &found);
         return;
     }

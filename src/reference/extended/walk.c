@@ -23,6 +23,7 @@ static void destroy(dl_extended_walk *handle) {
         free(arrays[k]);
     free(w->side);
     free(w->pressed);
+    free(w->slides);
     free(w->touched);
     free(w->held);
     free(w);
@@ -41,10 +42,11 @@ static dl_status allocate(walk *w, dl_error *error) {
     w->reach = calloc(w->model.particles, sizeof *w->reach);
     w->side = calloc(n, sizeof *w->side);
     w->pressed = calloc(n, sizeof *w->pressed);
+    w->slides = calloc(n, sizeof *w->slides);
     w->touched = calloc(n, sizeof *w->touched);
     w->held = calloc(n, sizeof *w->held);
     return w->q && w->v && w->q1 && w->v1 && w->a && w->load && w->rate && w->path && w->reach &&
-                   w->side && w->pressed && w->touched && w->held
+                   w->side && w->pressed && w->slides && w->touched && w->held
                ? DL_OK
                : dl_fail_memory(error, "a reference");
 }
@@ -157,7 +159,7 @@ static void happen(walk *w, const event *what) {
     if (what->kind == EVENT_BREAKPOINT)
         cross(w, what);
     else if (what->kind == EVENT_RELEASE)
-        walk_let_go(w, what->coordinate);
+        (what->idle ? walk_let_slide : walk_let_go)(w, what->coordinate);
     else
         walk_collide(w, what, what->tau == 0);
 }

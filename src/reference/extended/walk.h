@@ -35,6 +35,7 @@ struct walk {
     /* Resting contacts, as model/contact.h has them. */
     signed char *side;    /* [unknowns]: -1, 1: rests on the low, high wall of its axis */
     bool *pressed;        /* [unknowns]: the contact has pressed, or lasted a step */
+    bool *slides;         /* [unknowns]: it has, and nothing pressed it: holds normally alone */
     signed char *touched; /* [unknowns]: scratch */
     bool *held;           /* [unknowns]: out of the dynamics */
     /* The step, or the last one. */
@@ -68,6 +69,7 @@ typedef struct event {
     int piece, image[3]; /* of the pair, behind it */
     size_t coordinate;
     int side;
+    bool idle; /* the contact ends because nothing presses */
 } event;
 
 #define stepper_taylor     DL_TYPED(dl_extended_taylor)
@@ -81,6 +83,7 @@ typedef struct event {
 #define walk_meet_walls    DL_TYPED(dl_extended_meet_walls)
 #define walk_collide       DL_TYPED(dl_extended_collide)
 #define walk_let_go        DL_TYPED(dl_extended_let_go)
+#define walk_let_slide     DL_TYPED(dl_extended_let_slide)
 #define walk_contacts_last DL_TYPED(dl_extended_contacts_last)
 #define walk_update_held   DL_TYPED(dl_extended_update_held)
 #define walk_radiate       DL_TYPED(dl_extended_radiate)
@@ -116,6 +119,8 @@ void walk_collide(walk *w, const event *target, bool at_once);
 /* The state was set from outside: held coordinates that move are let go, touching ones collide. */
 void walk_meet_walls(walk *w);
 void walk_let_go(walk *w, size_t coordinate);
+/* What nothing presses any more slides along its wall by `located`; a `mirror` lets it go. */
+void walk_let_slide(walk *w, size_t coordinate);
 /* All contacts have lasted a step. */
 void walk_contacts_last(walk *w);
 /* What is held, from `side`. */
