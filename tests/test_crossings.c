@@ -43,6 +43,8 @@ static bool chooses_its_step(const dl_method_row *row) {
 static const char *closely(const dl_method_row *row, char text[96], double end) {
     if (strcmp(row->name, "arkode-erk") == 0)
         snprintf(text, 96, "rtol=1e-13 atol=1e-14 table=fehlberg-8");
+    else if (strcmp(row->name, "arkode-sprk") == 0)
+        snprintf(text, 96, "step=%.17g table=suzuki-umeno-8", end / 1024);
     else if (!has_option(row, "atol") && chooses_its_step(row))
         snprintf(text, 96, "rtol=1e-9");
     else if (chooses_its_step(row))

@@ -169,7 +169,7 @@ static double energy_error(const char *command) {
 static void energy_error_is_reached(void **state) {
     (void)state;
     json_t *root = object_of("recommend " KEPLER " --error 1e-6 --in energy --json --methods "
-                             "rkn-4-blanes-moan,conserving-fixed-point",
+                             "rkn-4-blanes-moan,conserving-relaxed",
                              0);
     const double error = energy_error(text_of(root, "recommended.command"));
     assert_string_equal(text_of(root, "recommended.method"), "rkn-4-blanes-moan");
@@ -177,9 +177,10 @@ static void energy_error_is_reached(void **state) {
     expect_near(real_of(root, "recommended.measured.error"), error, 1e-6);
     assert_true(real_of(root, "recommended.coarser.error") > 1e-6);
     assert_true(json_is_null(member(root, "reference_error")));
-    /* Conserving energy at any step, with no longer one than the scene's. */
+    /* Conserving energy at any step, with no longer one than the scene's. Without KINSOL, whose 7.5
+     * formats a message at every iteration and so takes ten times as long. */
     const json_t *other = json_array_get(member(root, "runners_up"), 0);
-    assert_string_equal(text_of(other, "method"), "conserving-fixed-point");
+    assert_string_equal(text_of(other, "method"), "conserving-relaxed");
     dl_scene *scene = read_scene(KEPLER);
     assert_true(real_of(other, "options.step") <= scene->step * (1 + 1e-9));
     dl_scene_free(scene);

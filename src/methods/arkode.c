@@ -19,6 +19,11 @@ static const dl_sundials_meaning meanings[] = {
     {ARK_REPTD_RHSFUNC_ERR, DL_ERROR, true},
     {ARK_UNREC_RHSFUNC_ERR, DL_ERROR, true},
     {ARK_INNERSTEP_FAIL, DL_STEP_FAILURE, true},
+#if DL_SUNDIALS_AT_LEAST(6, 6)
+    {ARK_RELAX_FAIL, DL_STEP_FAILURE, true},
+    {ARK_RELAX_FUNC_FAIL, DL_ERROR, true},
+    {ARK_RELAX_JAC_FAIL, DL_ERROR, true},
+#endif
     {ARK_MEM_FAIL, DL_MEMORY, false},
     {0, DL_ERROR, false},
 };
@@ -103,9 +108,14 @@ static dl_status split(const dl_method *method, dl_error *error) {
 /* --- life --------------------------------------------------------------------------------------
  */
 
+/* Of a step, where the error test fails: as CVODE's (cvode.c), where ARKODE's own are 7. */
+enum { most_attempts = 20 };
+
 /* What every kind is told. */
-static int set_up_stepper(dl_arkode *data, const dl_arkode_options *chosen) {
+static int set_up_stepper(const dl_method *method) {
+    dl_arkode *const data = method->data;
     const dl_arkode_calls *const calls = data->calls;
+    const dl_arkode_options *const chosen = method->options;
     int flag = dl_sundials_listen_arkode(&data->implicit.sundials, calls, data->memory);
     if (!flag)
         flag = calls->set_user_data(data->memory, data);
@@ -113,6 +123,8 @@ static int set_up_stepper(dl_arkode *data, const dl_arkode_options *chosen) {
         flag = calls->set_tolerances(data->memory, chosen->rtol, chosen->atol);
     if (!flag)
         flag = calls->set_interpolant_degree(data->memory, 1);
+    if (!flag && method->row->flags & DL_ADAPTIVE)
+        flag = calls->set_most_attempts(data->memory, most_attempts);
     return flag;
 }
 
@@ -138,7 +150,7 @@ static dl_status arkode_create(dl_method *method, dl_error *error) {
         data->memory = kind->create(method);
     if (!data->memory)
         return dl_fail_memory(error, "ARKODE");
-    const int flag = set_up_stepper(data, chosen);
+    const int flag = set_up_stepper(method);
     return flag ? dl_arkode_fail(data, flag, "ARKODE", error) : kind->set_up(method, error);
 }
 

@@ -119,11 +119,14 @@ static int context_create(dl_sundials *sundials) {
     .reset = ARKodeReset, .evolve = ARKodeEvolve, .set_user_data = ARKodeSetUserData,              \
     .set_tolerances = ARKodeSStolerances, .set_stop_time = ARKodeSetStopTime,                      \
     .set_fixed_step = ARKodeSetFixedStep, .set_first_step = ARKodeSetInitStep,                     \
-    .set_most_steps = ARKodeSetMaxNumSteps, .set_interpolant_degree = ARKodeSetInterpolantDegree,  \
+    .set_most_steps = ARKodeSetMaxNumSteps, .set_most_attempts = ARKodeSetMaxErrTestFails,         \
+    .set_interpolant_degree = ARKodeSetInterpolantDegree,                                          \
     .set_after_step = ARKodeSetPostprocessStepFn, .steps = ARKodeGetNumSteps,                      \
     .attempts = ARKodeGetNumStepAttempts, .current_step = ARKodeGetCurrentStep,                    \
     .as_inner_stepper = AS_INNER_STEPPER, .free = ARKodeFree, .set_relaxation = ARKodeSetRelaxFn,  \
-    .set_compensated = SET_COMPENSATED, IMPLICIT_CALLS
+    .set_relaxation_tolerance = ARKodeSetRelaxResTol,                                              \
+    .set_most_relaxations = ARKodeSetRelaxMaxFails, .set_compensated = SET_COMPENSATED,            \
+    IMPLICIT_CALLS
 
 const dl_arkode_calls dl_erkstep_calls = {ANY_STEPPER};
 const dl_arkode_calls dl_arkstep_calls = {ANY_STEPPER};
@@ -150,7 +153,8 @@ const dl_arkode_calls dl_sprkstep_calls = {ANY_STEPPER};
 #define ADAPTIVE_STEPPER(prefix)                                                                   \
     STEPPER(prefix),                                                                               \
         .set_tolerances = prefix##SStolerances, .set_first_step = prefix##SetInitStep,             \
-        .attempts = prefix##GetNumStepAttempts, .current_step = prefix##GetCurrentStep
+        .set_most_attempts = prefix##SetMaxErrTestFails, .attempts = prefix##GetNumStepAttempts,   \
+        .current_step = prefix##GetCurrentStep
 
 #define IMPLICIT_STEPPER(prefix)                                                                   \
     .implicit = {                                                                                  \
@@ -169,6 +173,8 @@ const dl_arkode_calls dl_erkstep_calls = {
     ADAPTIVE_STEPPER(ERKStep),
 #if DL_SUNDIALS_AT_LEAST(6, 6)
     .set_relaxation = ERKStepSetRelaxFn,
+    .set_relaxation_tolerance = ERKStepSetRelaxResTol,
+    .set_most_relaxations = ERKStepSetRelaxMaxFails,
 #endif
 };
 const dl_arkode_calls dl_arkstep_calls = {

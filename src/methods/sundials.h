@@ -62,6 +62,7 @@ typedef struct dl_arkode_calls {
     int (*set_fixed_step)(void *memory, sunrealtype step);
     int (*set_first_step)(void *memory, sunrealtype step);
     int (*set_most_steps)(void *memory, long steps);
+    int (*set_most_attempts)(void *memory, int attempts);
     int (*set_interpolant_degree)(void *memory, int degree);
     int (*set_after_step)(void *memory, ARKPostProcessFn after_step);
     int (*steps)(void *memory, long *count);
@@ -75,6 +76,8 @@ typedef struct dl_arkode_calls {
 #endif
 #if DL_SUNDIALS_AT_LEAST(6, 6)
     int (*set_relaxation)(void *memory, ARKRelaxFn energy, ARKRelaxJacFn gradient);
+    int (*set_relaxation_tolerance)(void *memory, sunrealtype residual);
+    int (*set_most_relaxations)(void *memory, int attempts);
     int (*set_compensated)(void *memory, int on);
 #endif
 } dl_arkode_calls;
