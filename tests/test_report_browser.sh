@@ -73,6 +73,9 @@ addEventListener("load", async () => {
     seen.without = first("time");
     pick(error, 0);
     seen.over = first("time");
+    seen.momenta = [...error.options].filter(one => /momentum/.test(one.value)).length;
+    choose(error, "momentum");
+    seen.momentum = first("time");
     pick(error, 1);
     pick(lines, 1);
     seen.every = first("time");
@@ -123,6 +126,8 @@ for study in study one failed many empty; do
             same study time 500 # ten methods, 51 samples each, an error of 0 at the start
             same study without 450 # one method fewer
             same study over 500    # its position errors, and the reference's own in their midst
+            same study momenta 1   # the angular one is not conserved
+            same study momentum 450
             same study every 250   # all five cases of leap-frog
             same study tooltip 7   # method, options, error, CPU, forces, steps, status
             same study saved 3     # a line, and the asked and the smallest error, in the SVG

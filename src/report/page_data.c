@@ -171,24 +171,43 @@ static double position_error(const builder *build, const dl_case *cased, size_t 
                                                                                             : NAN;
 }
 
-/* {time, energy, position, stride}: every sample, or of `stride` neighbours the worst. */
-static json_t *samples(builder *build, const dl_case *cased) {
-    json_t *object = json_object(), *time = json_array();
-    json_t *energy = json_array(), *position = json_array();
-    size_t stride = (cased->samples + DL_PAGE_SAMPLES - 1) / DL_PAGE_SAMPLES;
-    for (size_t from = 0; cased->sample_time && from < cased->samples; from += stride) {
-        size_t to = from + stride < cased->samples ? from + stride : cased->samples;
-        size_t i = largest_energy_error(cased, from, to);
-        append(build, time, real(cased->sample_time[i]));
-        append(build, energy,
-               real(cased->sample_energy_error
-                        ? relative(cased->sample_energy_error[i], cased->summary.energy_scale)
-                        : NAN));
-        append(build, position, real(position_error(build, cased, i)));
+/* One of a case's series over time. */
+typedef struct page_series {
+    const char *name;
+    const double *values; /* [samples]; NULL: the case has none of it, and the page no key */
+    double scale;         /* 0: in the scene's own units */
+} page_series;
+
+static json_t *one_series(builder *build, const dl_case *cased, const page_series *of,
+                          size_t stride) {
+    json_t *array = json_array();
+    for (size_t from = 0; from < cased->samples; from += stride) {
+        const size_t to = from + stride < cased->samples ? from + stride : cased->samples;
+        const size_t i = largest_energy_error(cased, from, to);
+        const double value = of->values == cased->sample_position_error
+                                 ? position_error(build, cased, i)
+                                 : of->values[i];
+        append(build, array, real(of->scale != 0 ? relative(value, of->scale) : value));
     }
-    put(build, object, "time", time);
-    put(build, object, "energy", energy);
-    put(build, object, "position", position);
+    return array;
+}
+
+/* {time, energy, position, momentum, angular-momentum, stride}, as far as the case has them: every
+ * sample, or of `stride` neighbours the one with the largest energy error. */
+static json_t *samples(builder *build, const dl_case *cased) {
+    const dl_run_summary *summary = &cased->summary;
+    const page_series table[] = {
+        {"time", cased->sample_time, 0},
+        {"energy", cased->sample_energy_error, summary->energy_scale},
+        {"position", cased->sample_position_error, 0},
+        {"momentum", cased->sample_momentum_error, summary->momentum_scale},
+        {"angular-momentum", cased->sample_angular_momentum_error, summary->angular_momentum_scale},
+    };
+    json_t *object = json_object();
+    const size_t stride = (cased->samples + DL_PAGE_SAMPLES - 1) / DL_PAGE_SAMPLES;
+    for (size_t k = 0; k < sizeof table / sizeof *table; k++)
+        if (table[k].values)
+            put(build, object, table[k].name, one_series(build, cased, &table[k], stride));
     put(build, object, "stride", json_integer((json_int_t)stride));
     return object;
 }

@@ -35,11 +35,13 @@ const METRICS = {
   momentum: {
     name: "momentum error",
     axis: "largest |momentum error| / momentum scale [1]",
+    time: "|momentum error| / momentum scale [1]",
     value: one => one.momentum_error,
   },
   "angular-momentum": {
     name: "angular momentum error",
     axis: "largest |angular momentum error| / its scale [1]",
+    time: "|angular momentum error| / its scale [1]",
     value: one => one.angular_momentum_error,
   },
 };
@@ -346,7 +348,14 @@ const writeCostCharts = (scene, section) => {
 
 /* --- error over time --- */
 
-const hasSamples = (one, metric) => one.samples[metric].some(value => value > 0 || value < 0);
+/* A case has no series of what its scene does not conserve. */
+const samplesOf = (one, metric) => one.samples[metric] || [];
+const hasSamples = (one, metric) => samplesOf(one, metric).some(value => value > 0 || value < 0);
+
+/* Positions and energy always; momenta where a case has an error of them, be it 0. */
+const timedMetrics = scene => Object.keys(METRICS).filter(metric => METRICS[metric].time
+  && (metric === "position" || metric === "energy"
+      || scene.cases.some(one => samplesOf(one, metric).some(value => value !== null))));
 
 /* The cheapest case that reaches the asked error, else the most accurate one. */
 const chosenCase = (scene, members, metric) => {
@@ -358,7 +367,8 @@ const chosenCase = (scene, members, metric) => {
 
 const timeLine = (one, metric, name, look) => ({
   name, look,
-  points: one.samples.time.map((x, i) => ({x, y: Math.abs(one.samples[metric][i]), one}))
+  points: samplesOf(one, metric)
+    .map((value, i) => ({x: one.samples.time[i], y: Math.abs(value), one}))
     .filter(point => point.y > 0),
 });
 
@@ -465,8 +475,7 @@ const writeTimeChart = (scene, section) => {
 
 const timeControls = (scene, set) => {
   const metric = element("select", {}, optionList(
-    Object.entries(METRICS).filter(([, {time}]) => time).map(([key, {name}]) => [key, name]),
-    "energy"));
+    timedMetrics(scene).map(key => [key, METRICS[key].name]), "energy"));
   metric.addEventListener("change", set("metric"));
   const modes = [["one", "one case a method"]].concat(
     scene.lines.map(line => [line.name, "every case of " + line.name]));
