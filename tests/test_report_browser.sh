@@ -32,8 +32,8 @@ addEventListener("load", async () => {
       .sort((a, b) => a[0] - b[0]);
     return order.some(([at, room], i) => i && at - order[i - 1][0] < (room + order[i - 1][1]) / 2);
   };
-  seen.cases = all("table.cases tbody tr").length;
-  seen.keys = new Set(all("table.cases tbody tr").map(row => row.dataset.key)).size;
+  seen.cases = all("section.scene table.cases tbody tr").length;
+  seen.keys = new Set(all("section.scene table.cases tbody tr").map(row => row.dataset.key)).size;
   seen.scenes = all("section.scene").length;
   seen.cpu = first("cpu");
   seen.force = first("force");
@@ -41,6 +41,9 @@ addEventListener("load", async () => {
   seen.time = first("time");
   seen.wide = document.documentElement.scrollWidth > innerWidth ? 1 : 0;
   seen.missing = all("#scene-1 .missing tr").length;
+  seen.answers = all("#answer p").length;
+  seen.own = all("section.scene > .of-scene").length;
+  seen.across = all("table.across").map(one => one.querySelectorAll("tbody tr").length).join("/");
   seen.blank = all("canvas[data-chart]").filter(
     canvas => Number(canvas.dataset.points) > 0 && inked(canvas) < 200).length;
   seen.overlaps = all("canvas[data-chart]").map(canvas => Chart.getChart(canvas)).filter(Boolean)
@@ -121,6 +124,9 @@ for study in study one failed many empty; do
         for never in wide blank overlaps unsorted; do same $study $never 0; done
         case $study in
         study)
+            same study answers 1 # over both scenes; each has its own besides
+            same study own 2
+            [[ $(value "$found" across) == 10/* ]] || fail "study: methods by scenes are missing"
             same study hidden 4 # leap-frog: five cases, one of which failed
             same study cpu "$position"
             same study time 500 # ten methods, 51 samples each, an error of 0 at the start

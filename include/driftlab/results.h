@@ -187,6 +187,10 @@ double dl_case_bound(const dl_case *cased, const char *asked_in, const dl_refere
  * evaluations)", or that nothing reached it and which came closest. */
 void dl_results_answer(const dl_results *results, const char *scene, char *text, size_t size);
 
+/* The answer of studies of one kind in two sentences: of their only scene, or of all their scenes
+ * together. */
+void dl_results_answer_all(const dl_results *const *results, size_t count, char *text, size_t size);
+
 /* Verdict, reason and quantities of a finding, or why it could not be measured, as text. */
 void dl_finding_print(const dl_finding *finding, FILE *out);
 
