@@ -94,6 +94,17 @@ addEventListener("load", async () => {
     const texts = [...drawing.querySelectorAll("text")].map(one => one.textContent);
     seen.saved = texts.filter(one => /^(leapfrog|asked: |below )/.test(one)).length;
   }
+  /* On paper every chart is lines, and no table is folded; afterwards all is as it was. */
+  const folded = () => all("details.table:not([open])").length;
+  seen.folded = folded();
+  const charts = all("canvas[data-chart]").filter(one => Number(one.dataset.points) > 0).length;
+  dispatchEvent(new Event("beforeprint"));
+  const vectors = all("svg.vector");
+  seen.vectors = vectors.length === charts && folded() === 0
+    && vectors.every(one => one.querySelectorAll("polyline, circle, path").length > 0) ? 1 : 0;
+  dispatchEvent(new Event("afterprint"));
+  seen.restored = all("svg.vector").length === 0 && folded() === seen.folded ? 1 : 0;
+  seen.painted = all(".legend .swatch").length - all(".legend svg.swatch").length;
   seen.width = innerWidth;
   tell(seen);
 });
@@ -121,9 +132,14 @@ for study in study one failed many empty; do
         [ "$corners" = 0 ] || [ "$(value "$found" accuracies)" -gt 0 ] ||
             fail "$study: no accuracies"
         same $study cpu "$(value "$found" force)"
+        same $study vectors 1
+        same $study restored 1
+        same $study painted 0
+        [ $width = 400 ] || same $study folded 0
         for never in wide blank overlaps unsorted; do same $study $never 0; done
         case $study in
         study)
+            [ $width = 1280 ] || same study folded 3 # methods by scenes, accuracies, cases
             same study answers 1 # over both scenes; each has its own besides
             same study own 2
             [[ $(value "$found" across) == 10/* ]] || fail "study: methods by scenes are missing"

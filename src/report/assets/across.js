@@ -33,8 +33,8 @@ const writeAcross = (() => {
       row.reached === scenes.length
         ? cell({name: "largest ratio"}, "number worst", `${row.worst.toPrecision(3)}×`)
         : cell({name: "reached on"}, "number worst", `${row.reached} of ${scenes.length}`)));
-    section.append(
-      element("h3", {}, "Methods by scenes"),
+    section.append(longTable(
+      "Methods by scenes", rows.length,
       element("p", {className: "quiet"}, "For what was asked of each scene: the method's rank by CPU "
         + "time, its cheapest case that reaches it, and how many times the cheapest's time that is. "
         + "Last its largest such ratio, or how many scenes it reaches it on."),
@@ -49,7 +49,7 @@ const writeAcross = (() => {
           const one = reached && results.cases[reached.case];
           return one ? [reached.rank, one.options, one.cpu_seconds, reached.ratio]
                      : ["", "", "", ""];
-        }), row.reached, row.worst])]));
+        }), row.reached, row.worst])])));
   };
 
   /* The scene's row for that error, in what was asked of it. */
@@ -69,8 +69,8 @@ const writeAcross = (() => {
       return one ? cell(scene, "", one.line.name, one.label ? ` (${one.label})` : "", " · ",
                         seconds(one.cpu_seconds)) : cell(scene, "none", "–");
     };
-    section.append(
-      element("h3", {}, "The cheapest for each accuracy"),
+    section.append(longTable(
+      "The cheapest for each accuracy", errors.length,
       element("div", {className: "scroll"}, element("table", {className: "cases across"},
         headOf("error at most", scenes, scene =>
           element("span", {className: "unit"}, scene.asked.metric.name), ""),
@@ -82,7 +82,7 @@ const writeAcross = (() => {
         ...errors.map(error => [error, ...scenes.flatMap(scene => {
           const one = cheapest(scene, error);
           return one ? [one.method, one.options, one.cpu_seconds] : ["", "", ""];
-        })])]));
+        })])])));
   };
 
   return scenes => {

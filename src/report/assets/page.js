@@ -588,8 +588,8 @@ const writeTable = (scene, section) => {
   };
   const head = element("thead", {}, element("tr", {}, columns.map(column =>
     headCell(column, sort))));
-  section.append(
-    element("h3", {}, `Every case (${scene.cases.length})`),
+  section.append(longTable(
+    `Every case (${scene.cases.length})`, scene.cases.length,
     element("div", {className: "scroll"}, element("table", {className: "cases"}, head, body)),
     tableSaver(`${scene.name} cases`, () => [
       columns.map(column => column.title + (column.unit ? ` [${column.unit}]` : "")),
@@ -597,7 +597,7 @@ const writeTable = (scene, section) => {
         (column.key ? one[column.key] : (column.full || column.value)(one))))]),
     element("p", {className: "quiet"}, repeatsNote(scene), " Errors and momenta “of scale” are "
       + "divided by the scene's energy or momentum scale. Click a heading to sort; a figure's full "
-      + "digits and a case's options show where the pointer rests."));
+      + "digits and a case's options show where the pointer rests.")));
 };
 
 const repeatsNote = scene => {
