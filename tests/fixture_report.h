@@ -120,6 +120,7 @@ static dl_case fixture_case(const char *scene, const fixture_method *method, con
     made.sample_energy_error =
         samples ? fixture_samples(samples, fixture_wobble, energy * 50) : NULL;
     made.sample_position_error = samples ? fixture_samples(samples, fixture_growth, error) : NULL;
+    made.sample_momentum_error = samples ? fixture_samples(samples, fixture_growth, 1.7e-14) : NULL;
     return made;
 }
 

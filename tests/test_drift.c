@@ -566,7 +566,7 @@ static void a_units_command_repeats_it(void **state) {
     fclose(file);
     snprintf(arguments, sizeof arguments, "study %s", path);
     assert_int_equal(driftlab(arguments), 0);
-    assert_non_null(strstr(said, "does the energy stay on kepler? pass: leapfrog step=0.0125"));
+    assert_non_null(strstr(said, "on kepler the energy stays with 1 of 2 (leapfrog step=0.0125"));
     snprintf(path, sizeof path, "%s/results.h5", folder);
     dl_results *results = NULL;
     dl_error error = {""};

@@ -161,9 +161,14 @@ addEventListener("load", async () => {
     }).length;
     seen.matrix = all("table.matrix tbody tr").length;
     seen.wide = document.documentElement.scrollWidth > innerWidth ? 1 : 0;
-    seen.answers = all("#answer p").filter(one => /^[A-Z].*[.]$/.test(one.textContent)).length;
-    seen.named = all("#answer p").filter(one =>
-      /arkode-dirk|leapfrog/.test(one.textContent)).length;
+    /* In two sentences, of the only scene or of all; each of several has its own besides. */
+    const told = all("#answer p, section.scene > .of-scene");
+    const sentences = text => text.split(/[.](?= [A-Z0-9]|$)/).filter(Boolean).length;
+    seen.answers = all("#answer p").length;
+    seen.own = told.length - seen.answers;
+    seen.long = told.filter(({textContent: text}) =>
+      !/^[A-Z0-9].*[.]$/.test(text) || sentences(text) > 2).length;
+    seen.named = told.filter(one => /arkode-dirk|leapfrog/.test(one.textContent)).length;
     seen.more = /and [0-9]+ more/.test(document.getElementById("answer").textContent) ? 1 : 0;
     seen.repeat = document.body.textContent.includes("Repeat it") ? 1 : 0;
     const expected = ["predicted limit", "2/omega along the run", "r0/|v|"];
@@ -214,7 +219,7 @@ for kind in drift stability extreme equilibrium; do
         > "$work/$kind.txt" 2> "$work/log" || fail "$kind: no study: $(tail -3 "$work/log")"
     for width in 1280 400; do
         look $kind $width
-        expect width=$width wide=0 cut=0 repeat=1 findings="$(value "$found" keys)"
+        expect width=$width wide=0 cut=0 repeat=1 answers=1 long=0 findings="$(value "$found" keys)"
         same $kind plotsFirst "$(value "$found" scenes)"
         same $kind findings "$(printed $kind '^  [^ ]')"
         case $kind in
@@ -222,23 +227,23 @@ for kind in drift stability extreme equilibrium; do
             for chart in trend trendShown trendCsv redrawn; do
                 same $kind $chart "$(printed $kind '^    energy fluctuation:')"
             done
-            expect scenes=1 failures=1 matrix=0 answers=1 named=1 more=1 trendHidden=1 trendSvg=1 \
+            expect scenes=1 failures=1 matrix=0 own=0 named=1 more=1 trendHidden=1 trendSvg=1 \
                 trendAlike=1 seriesHidden=1 seriesSvg=1 seriesAlike=1
             for chart in series seriesShown seriesCsv; do
                 same $kind $chart "$(value "$found" errors)"
             done ;;
         stability)
-            expect scenes=3 matrix=2 answers=3 stripsHidden=1 stripsSvg=1 stripsAlike=1 \
+            expect scenes=3 matrix=2 own=3 stripsHidden=1 stripsSvg=1 stripsAlike=1 \
                 mapHidden=1 mapSvg=1 mapAlike=1
             same $kind runs "$(value "$found" rows)"
             [ "$(value "$found" limits)" -ge 12 ] || fail "$kind: what theory lets expect is missing" ;;
         extreme)
-            expect scenes=2 matrix=4 answers=2 named=2 ends=3 stripsHidden=1 stripsSvg=1 stripsAlike=1
+            expect scenes=2 matrix=4 own=2 named=3 ends=3 stripsHidden=1 stripsSvg=1 stripsAlike=1
             same $kind runs 42 # seven of each method of fixed steps on each scene
             same $kind runs "$(value "$found" rows)" ;;
         equilibrium)
             same $kind trend "$(printed $kind '^    kinetic energy per particle')"
-            expect scenes=1 answers=1 redrawn=5 trendCsv=5 trendHidden=1 trendSvg=1 trendAlike=1 \
+            expect scenes=1 own=0 redrawn=5 trendCsv=5 trendHidden=1 trendSvg=1 trendAlike=1 \
                 seriesHidden=1 seriesSvg=1 seriesAlike=1
             for chart in series seriesShown seriesCsv; do
                 same $kind $chart "$(value "$found" energies)"

@@ -164,6 +164,8 @@ static void assert_same(const dl_results *a, const dl_results *b) {
         assert_int_equal(x->samples, y->samples);
         assert_memory_equal(x->sample_energy_error, y->sample_energy_error,
                             x->samples * sizeof *x->sample_energy_error);
+        assert_memory_equal(x->sample_momentum_error, y->sample_momentum_error,
+                            x->samples * sizeof *x->sample_momentum_error);
         assert_string_equal(x->command, y->command);
         assert_int_equal(x->repeats, y->repeats);
     }

@@ -1,9 +1,13 @@
 /* driftlab recommend: what it recommends is run here, against what is known of the scene. */
 #include "fixture_program.h"
 
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
 #include "driftlab/recommend.h"
 #include "driftlab/reference.h"
 #include "study/kepler.h"
+#include "study/recommend.h"
 
 #define KEPLER DL_STUDIES "/kepler/kepler.yaml"
 
@@ -229,6 +233,26 @@ static void answer_is_confirmed(void **state) {
     }
 }
 
+/* What is measured must not be shortened because others use the machine: time that passes is
+ * nothing, time that this process or a child of its works is all. */
+static void only_work_counts_as_time(void **state) {
+    (void)state;
+    const struct timespec pause = {.tv_nsec = 300000000};
+    const double before = dl_recommend_clock();
+    nanosleep(&pause, NULL);
+    const double rested = dl_recommend_clock();
+    assert_true(rested - before < 0.15);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        while (clock() < CLOCKS_PER_SEC / 5)
+            continue;
+        _exit(0);
+    }
+    assert_int_equal(waitpid(child, NULL, 0), child);
+    assert_true(dl_recommend_clock() - rested > 0.1);
+}
+
 /* --- no answer ---------------------------------------------------------------------------------
  */
 
@@ -303,6 +327,7 @@ int main(void) {
         cmocka_unit_test(energy_error_is_reached),
         cmocka_unit_test(short_run_is_asked_for_less),
         cmocka_unit_test(answer_is_confirmed),
+        cmocka_unit_test(only_work_counts_as_time),
         cmocka_unit_test(impossible_error_is_told),
         cmocka_unit_test(bad_input_is_refused),
         cmocka_unit_test(interrupt_ends_it),

@@ -185,6 +185,23 @@ static void errors_over_time_end_at_the_horizon(void **state) {
     dl_results_free(results);
 }
 
+/* In units of their scale; nothing of what the scene does not conserve. */
+static void momenta_over_time_are_those_that_are_conserved(void **state) {
+    (void)state;
+    dl_results *results = fixture_study();
+    char *page = render(results);
+    json_t *data = data_of(page);
+    const json_t *samples =
+        json_object_get(json_array_get(json_object_get(data, "cases"), 1), "samples");
+    const json_t *shown = json_object_get(samples, "momentum");
+    assert_int_equal(json_array_size(shown), FIXTURE_SAMPLES);
+    assert_true(json_real_value(json_array_get(shown, FIXTURE_SAMPLES - 1)) == 1.7e-14 / 120);
+    assert_null(json_object_get(samples, "angular-momentum"));
+    json_decref(data);
+    free(page);
+    dl_results_free(results);
+}
+
 static void the_cheapest_case_is_the_one_that_the_results_name(void **state) {
     (void)state;
     for (size_t s = 0; s < STUDIES; s++) {
@@ -415,6 +432,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(every_case_is_in_the_data_with_its_figures),
         cmocka_unit_test(points_that_are_no_errors_carry_their_reason),
         cmocka_unit_test(errors_over_time_end_at_the_horizon),
+        cmocka_unit_test(momenta_over_time_are_those_that_are_conserved),
         cmocka_unit_test(the_cheapest_case_is_the_one_that_the_results_name),
         cmocka_unit_test(fronts_are_those_of_the_results),
         cmocka_unit_test(foreign_text_cannot_become_markup),

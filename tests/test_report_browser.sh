@@ -32,8 +32,8 @@ addEventListener("load", async () => {
       .sort((a, b) => a[0] - b[0]);
     return order.some(([at, room], i) => i && at - order[i - 1][0] < (room + order[i - 1][1]) / 2);
   };
-  seen.cases = all("table.cases tbody tr").length;
-  seen.keys = new Set(all("table.cases tbody tr").map(row => row.dataset.key)).size;
+  seen.cases = all("section.scene table.cases tbody tr").length;
+  seen.keys = new Set(all("section.scene table.cases tbody tr").map(row => row.dataset.key)).size;
   seen.scenes = all("section.scene").length;
   seen.cpu = first("cpu");
   seen.force = first("force");
@@ -41,6 +41,9 @@ addEventListener("load", async () => {
   seen.time = first("time");
   seen.wide = document.documentElement.scrollWidth > innerWidth ? 1 : 0;
   seen.missing = all("#scene-1 .missing tr").length;
+  seen.answers = all("#answer p").length;
+  seen.own = all("section.scene > .of-scene").length;
+  seen.across = all("table.across").map(one => one.querySelectorAll("tbody tr").length).join("/");
   seen.blank = all("canvas[data-chart]").filter(
     canvas => Number(canvas.dataset.points) > 0 && inked(canvas) < 200).length;
   seen.overlaps = all("canvas[data-chart]").map(canvas => Chart.getChart(canvas)).filter(Boolean)
@@ -73,6 +76,9 @@ addEventListener("load", async () => {
     seen.without = first("time");
     pick(error, 0);
     seen.over = first("time");
+    seen.momenta = [...error.options].filter(one => /momentum/.test(one.value)).length;
+    choose(error, "momentum");
+    seen.momentum = first("time");
     pick(error, 1);
     pick(lines, 1);
     seen.every = first("time");
@@ -88,6 +94,17 @@ addEventListener("load", async () => {
     const texts = [...drawing.querySelectorAll("text")].map(one => one.textContent);
     seen.saved = texts.filter(one => /^(leapfrog|asked: |below )/.test(one)).length;
   }
+  /* On paper every chart is lines, and no table is folded; afterwards all is as it was. */
+  const folded = () => all("details.table:not([open])").length;
+  seen.folded = folded();
+  const charts = all("canvas[data-chart]").filter(one => Number(one.dataset.points) > 0).length;
+  dispatchEvent(new Event("beforeprint"));
+  const vectors = all("svg.vector");
+  seen.vectors = vectors.length === charts && folded() === 0
+    && vectors.every(one => one.querySelectorAll("polyline, circle, path").length > 0) ? 1 : 0;
+  dispatchEvent(new Event("afterprint"));
+  seen.restored = all("svg.vector").length === 0 && folded() === seen.folded ? 1 : 0;
+  seen.painted = all(".legend .swatch").length - all(".legend svg.swatch").length;
   seen.width = innerWidth;
   tell(seen);
 });
@@ -115,14 +132,24 @@ for study in study one failed many empty; do
         [ "$corners" = 0 ] || [ "$(value "$found" accuracies)" -gt 0 ] ||
             fail "$study: no accuracies"
         same $study cpu "$(value "$found" force)"
+        same $study vectors 1
+        same $study restored 1
+        same $study painted 0
+        [ $width = 400 ] || same $study folded 0
         for never in wide blank overlaps unsorted; do same $study $never 0; done
         case $study in
         study)
+            [ $width = 1280 ] || same study folded 3 # methods by scenes, accuracies, cases
+            same study answers 1 # over both scenes; each has its own besides
+            same study own 2
+            [[ $(value "$found" across) == 10/* ]] || fail "study: methods by scenes are missing"
             same study hidden 4 # leap-frog: five cases, one of which failed
             same study cpu "$position"
             same study time 500 # ten methods, 51 samples each, an error of 0 at the start
             same study without 450 # one method fewer
             same study over 500    # its position errors, and the reference's own in their midst
+            same study momenta 1   # the angular one is not conserved
+            same study momentum 450
             same study every 250   # all five cases of leap-frog
             same study tooltip 7   # method, options, error, CPU, forces, steps, status
             same study saved 3     # a line, and the asked and the smallest error, in the SVG

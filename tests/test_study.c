@@ -217,6 +217,55 @@ static void errors_are_those_of_the_methods(void **state) {
     dl_study_free(study);
 }
 
+static double largest(const double *values, size_t count) {
+    double found = 0;
+    for (size_t i = 0; i < count; i++)
+        found = fmax(found, values[i]);
+    return found;
+}
+
+/* Momenta are kept over time where the scene conserves them: gravity takes the angular one, a pin
+ * both. */
+static void momenta_are_kept_as_far_as_they_are_conserved(void **state) {
+    (void)state;
+    static const struct {
+        const char *more; /* of the scene */
+        bool linear, angular;
+    } scene[] = {
+        {"{at: [0.3, 0], velocity: [0, 1.5], mass: 0.25}\n", true, true},
+        {"{at: [0.3, 0], velocity: [0, 1.5], mass: 0.25}\ngravity: [0, -1]\n", true, false},
+        {"{at: [0.3, 0], mass: 0.25, pinned: true}\n", false, false},
+    };
+    for (size_t k = 0; k < sizeof scene / sizeof *scene; k++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "name: pair\ndimension: 2\ntime: {step: 0.01, end: 2}\n"
+                 "pair_law:\n  - {terms: [{coefficient: -1, power: 2}]}\nparticles:\n"
+                 "  - {at: [-0.1, 0], velocity: [0, -0.5], mass: 0.75}\n  - %s",
+                 scene[k].more);
+        write_text(scene_path, text);
+        dl_study *study = read_study("name: test\nscene: scene.yaml\nerror: 1\nin: energy\n"
+                                     "samples: 4\ncases:\n  - {method: gsl-rk4}\n");
+        dl_results *results = run_study(study, true);
+        const dl_case *one = &results->cased[0];
+        const dl_run_summary *run = &one->summary;
+        assert_int_equal(run->status, DL_OK);
+        assert_int_equal(one->samples, 5);
+        assert_int_equal(one->sample_momentum_error != NULL, scene[k].linear);
+        assert_int_equal(one->sample_angular_momentum_error != NULL, scene[k].angular);
+        if (scene[k].linear)
+            assert_true(largest(one->sample_momentum_error, 5) == run->momentum_error_max);
+        if (scene[k].angular) {
+            assert_true(run->angular_momentum_error_max > 0); /* not symplectic */
+            assert_true(largest(one->sample_angular_momentum_error, 5) ==
+                        run->angular_momentum_error_max);
+        }
+        dl_results_free(results);
+        dl_study_free(study);
+        unlink(results_path);
+    }
+}
+
 static const char measured_study[] =
     "name: test\nscene: scene.yaml\nsamples: 4\nerror: 1e-4\nrepeats: 1\n"
     "reference:\n  method: gsl-rk8pd\n  set: {rtol: 1e-13, atol: 1e-13}\n"
@@ -726,6 +775,7 @@ int main(void) {
         CLEAN(bad_studies_are_refused),
         CLEAN(help_names_every_key),
         CLEAN(errors_are_those_of_the_methods),
+        CLEAN(momenta_are_kept_as_far_as_they_are_conserved),
         CLEAN(reference_measures_its_own_error),
         CLEAN(exact_motion_is_the_motion),
         CLEAN(other_motions_are_no_kepler),

@@ -31,14 +31,14 @@
 typedef struct dl_recommend_request {
     const char *scene; /* file */
     size_t lets;
-    const dl_let *let;   /* [lets]: numbers of the scene */
-    double error;        /* > 0 */
-    const char *in;      /* "position": RMS over the particles at the end, a length; "energy": the
-                          * largest, in units of its scale, ledger included */
-    double end;          /* of the whole run; 0: the scene's */
-    double seconds;      /* by the clock, for all of it */
-    const char *methods; /* names with commas between; NULL: a choice of strong ones */
-    const volatile int *interrupt;                        /* may be NULL */
+    const dl_let *let; /* [lets]: numbers of the scene */
+    double error;      /* > 0 */
+    const char *in;    /* "position": RMS over the particles at the end, a length; "energy": the
+                        * largest, in units of its scale, ledger included */
+    double end;        /* of the whole run; 0: the scene's */
+    double seconds;    /* of CPU time, for all of it: what else the machine does shortens nothing */
+    const char *methods;           /* names with commas between; NULL: a choice of strong ones */
+    const volatile int *interrupt; /* may be NULL */
     void (*on_progress)(void *context, const char *text); /* about five times a second; or NULL */
     void *context;
 } dl_recommend_request;

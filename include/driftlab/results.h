@@ -6,7 +6,7 @@
  *
  * In the file (h5dump shows it), names are those of the structures' fields:
  *
- *     /                  attributes: format "driftlab results", version 1, study, title, kind,
+ *     /                  attributes: format "driftlab results", version 2, study, title, kind,
  *                        question, asked_error, asked_in
  *     /facts/0000 ...    attributes: name, value
  *     /scenes/0000 ...   attributes: name, source; scalar text datasets: explain, text
@@ -16,13 +16,15 @@
  *                        position, position_low [samples][dimension * particles]
  *     /cases/0000 ...    attributes: the fields of dl_case and, under the same names, of its
  *                        summary (status as its name); datasets: sample_time,
- *                        sample_energy_error, sample_position_error [samples]
+ *                        sample_energy_error, sample_position_error [samples] and, where
+ *                        the scene conserves it, sample_momentum_error,
+ *                        sample_angular_momentum_error [samples]
  *     /findings/0000 ... attributes: the fields of dl_finding; datasets: quantity [quantities][3],
  *                        table [rows][columns]
  *
  * Groups stand in the order of the arrays. Text is UTF-8 of fixed length, reals are IEEE doubles
- * (NaN: does not apply), counts 64-bit unsigned integers. The attributes choice, inexact_steps and
- * rescued_steps of cases were added later: a file without them is read as if they were "" and 0.
+ * (NaN: does not apply), counts 64-bit unsigned integers. What was added later is read as "", 0
+ * or nothing from a file of an earlier program that lacks it (src/io/results_schema.c says what).
  * Lengths, times and energies are in the scene's units; cpu_* in seconds. */
 #ifndef DRIFTLAB_RESULTS_H
 #define DRIFTLAB_RESULTS_H
@@ -48,6 +50,9 @@ typedef struct dl_case {
     double position_error_ever; /* largest RMS at any sample up to the horizon */
     size_t samples;
     double *sample_time, *sample_energy_error, *sample_position_error; /* [samples] */
+    /* [samples]; NULL where the scene does not conserve it; NaN from where a particle first rests
+     * on a wall, whose force is not known */
+    double *sample_momentum_error, *sample_angular_momentum_error;
     char *invalid; /* why the run is not what it claims, so that none of its errors counts ("" where
                       it is): it ended early, or its steps are not those asked for */
     char *refused; /* why the position error alone is not to be trusted ("" where it is): a run that
@@ -124,8 +129,8 @@ typedef struct dl_results {
 
 /* *results is freshly allocated (empty strings, no arrays). */
 dl_status dl_results_create(dl_results **results, dl_error *error);
-/* DL_IO where the file cannot be opened; DL_INPUT where it is no HDF5 file, damaged, or lacks
- * something of the schema above. *results is NULL then. */
+/* DL_IO where the file cannot be opened; DL_INPUT where it is no HDF5 file, damaged, or of
+ * another program's format: the message names both programs and formats. *results is NULL then. */
 dl_status dl_results_read(const char *path, dl_results **results, dl_error *error);
 /* DL_IO where it cannot be written: the file at `path` is then as it was before. */
 dl_status dl_results_write(const dl_results *results, const char *path, dl_error *error);
@@ -181,6 +186,10 @@ double dl_case_bound(const dl_case *cased, const char *asked_in, const dl_refere
 /* "cheapest for a position error of 1e-06 on stream: METHOD with OPTIONS (0.012 CPU s, 1400 force
  * evaluations)", or that nothing reached it and which came closest. */
 void dl_results_answer(const dl_results *results, const char *scene, char *text, size_t size);
+
+/* The answer of studies of one kind in two sentences: of their only scene, or of all their scenes
+ * together. */
+void dl_results_answer_all(const dl_results *const *results, size_t count, char *text, size_t size);
 
 /* Verdict, reason and quantities of a finding, or why it could not be measured, as text. */
 void dl_finding_print(const dl_finding *finding, FILE *out);

@@ -19,7 +19,7 @@ typedef enum cli_exit {
     CLI_INTERRUPTED = 130, /* as a shell reports SIGINT */
 } cli_exit;
 
-#define CLI_MAX_WORDS    4
+#define CLI_MAX_WORDS    16
 #define CLI_MAX_REPEATED 64
 #define CLI_MAX_OPTIONS  32
 

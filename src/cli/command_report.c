@@ -8,7 +8,7 @@
 #include "driftlab/report.h"
 
 typedef struct report_values {
-    char *out;
+    char *out, *title;
 } report_values;
 
 static const dl_parameter options[] = {
@@ -16,24 +16,57 @@ static const dl_parameter options[] = {
      .kind = DL_TEXT,
      .offset = offsetof(report_values, out),
      .unit = "PAGE.html",
-     .doc = "the page to write (default: report.html beside the results)"},
+     .doc = "the page to write (default: report.html beside the first results)"},
+    {.name = "title",
+     .kind = DL_TEXT,
+     .offset = offsetof(report_values, title),
+     .unit = "TEXT",
+     .doc = "the page's title (default: the study's, or the scenes' names)"},
 };
 
-static cli_exit report(const cli_input *input) {
+/* A message about several studies does not know their files. */
+static dl_status read_all(const cli_input *input, dl_results *results[CLI_MAX_WORDS],
+                          dl_error *error) {
+    dl_status status = DL_OK;
+    for (size_t i = 0; i < input->words && status == DL_OK; i++)
+        status = dl_results_read(input->word[i], &results[i], error);
+    return status;
+}
+
+static dl_status write_page(const cli_input *input, dl_results *results[CLI_MAX_WORDS],
+                            dl_error *error) {
     const report_values *values = input->values;
-    dl_results *results = NULL;
-    dl_error error = {""};
     char *beside = cli_beside(input->word[0], "report.html");
     const char *page = values->out ? values->out : beside;
-    dl_status status = page ? dl_results_read(input->word[0], &results, &error)
-                            : dl_fail_memory(&error, "a file name");
-    if (!status)
-        status = dl_report_write_with_players(results, (const char *const *)input->repeated,
-                                              input->repeats, page, &error);
+    const dl_report made = {.results = (const dl_results *const *)results,
+                            .studies = input->words,
+                            .title = values->title,
+                            .trajectory = (const char *const *)input->repeated,
+                            .trajectories = input->repeats};
+    const dl_status status =
+        page ? dl_report_write_page(&made, page, error) : dl_fail_memory(error, "the page's name");
     if (!status)
         printf("report: %s\n", page);
-    dl_results_free(results);
     free(beside);
+    return status;
+}
+
+static void print_answer(const cli_input *input, dl_results *results[CLI_MAX_WORDS]) {
+    char answer[4 * DL_MESSAGE_SIZE];
+    dl_results_answer_all((const dl_results *const *)results, input->words, answer, sizeof answer);
+    printf("%s\n", answer);
+}
+
+static cli_exit report(const cli_input *input) {
+    dl_results *results[CLI_MAX_WORDS] = {NULL};
+    dl_error error = {""};
+    dl_status status = read_all(input, results, &error);
+    if (!status)
+        status = write_page(input, results, &error);
+    if (!status && input->words > 1)
+        print_answer(input, results);
+    for (size_t i = 0; i < input->words; i++)
+        dl_results_free(results[i]);
     return cli_finish(status, &error);
 }
 
@@ -42,10 +75,13 @@ static const cli_repeated trajectory = {
 
 const cli_command cli_command_report = {
     .name = "report",
-    .arguments = "RESULTS.h5",
-    .summary = "write the report of a study's results as one HTML page",
+    .arguments = "RESULTS.h5 ...",
+    .summary = "write the report of a study's results, or of several studies', as one HTML page",
+    .details =
+        "Several studies of one kind, each on other scenes, make one page: the answer over all\n"
+        "scenes, methods by scenes, then every scene.\n",
     .least_words = 1,
-    .most_words = 1,
+    .most_words = CLI_MAX_WORDS,
     .options = CLI_TABLE(options),
     .repeated = &trajectory,
     .values_size = sizeof(report_values),

@@ -37,9 +37,10 @@ static void pack_field(const dl_record *record, const dl_field *field, const voi
         fwrite(&length, sizeof length, 1, out);
         fwrite(text ? text : "", 1, length, out);
     } else if (dl_field_is_array(field->kind)) {
-        const size_t size = array_size(record, field, element);
-        if (size)
-            fwrite(*(double *const *)value, 1, size, out);
+        const double *array = *(double *const *)value;
+        const size_t size = array ? array_size(record, field, element) : 0;
+        fwrite(&size, sizeof size, 1, out);
+        fwrite(array ? array : &(const double){0}, 1, size, out);
     } else
         fwrite(value, 1, plain_size(field->kind), out);
 }
@@ -90,8 +91,16 @@ static bool unpack_field(const dl_record *record, const dl_field *field, const c
         memcpy(&length, bytes, sizeof length);
         return (*(char **)value = take_copy(at, end, length)) != NULL;
     }
-    if (dl_field_is_array(field->kind))
-        return (*(double **)value = take_copy(at, end, array_size(record, field, element))) != NULL;
+    if (dl_field_is_array(field->kind)) {
+        const size_t expected = array_size(record, field, element);
+        size_t size;
+        if (!(bytes = take(at, end, sizeof size)))
+            return false;
+        memcpy(&size, bytes, sizeof size);
+        if (size == 0 && field->is_optional)
+            return true;
+        return size == expected && (*(double **)value = take_copy(at, end, size)) != NULL;
+    }
     if (!(bytes = take(at, end, plain_size(field->kind))))
         return false;
     memcpy(value, bytes, plain_size(field->kind));

@@ -6,25 +6,39 @@
 #include <string.h>
 #include <unistd.h>
 #include "driftlab/results.h"
+#include "io/results_origin.h"
 #include "io/results_schema.h"
 
 /* Where the reader is, for messages: "study.h5: cases/0003/steps". */
 typedef struct place {
     const char *path, *group, *element;
+    hid_t file;
+    int version;
     dl_error *error;
 } place;
 
-static dl_status lacks(const place *at, const char *name, const char *expected) {
-    return dl_fail(at->error, DL_INPUT, "%s: %s%s%s%s%s: damaged or missing, expected %s", at->path,
-                   at->group, *at->group ? "/" : "", at->element, *at->element ? "/" : "", name,
-                   expected);
+static const char *slash(const char *before) {
+    return *before ? "/" : "";
+}
+
+static dl_status is_damaged(const place *at, const char *name, const char *expected) {
+    return dl_fail(at->error, DL_INPUT, "%s: %s%s%s%s%s: damaged, expected %s", at->path, at->group,
+                   slash(at->group), at->element, slash(at->element), name, expected);
+}
+
+/* Files are complete or not there at all: one that lacks something is another program's. */
+static dl_status lacks(const place *at, const char *name) {
+    char lacking[256];
+    snprintf(lacking, sizeof lacking, "%s%s%s%s%s", at->group, slash(at->group), at->element,
+             slash(at->element), name);
+    return dl_results_fail_other_program(at->path, at->file, at->version, lacking, at->error);
 }
 
 static dl_status adopt_text(const place *at, const char *name, hid_t type, char **text) {
     free(*text);
     *text = NULL;
     if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0)
-        return lacks(at, name, "a text of fixed length");
+        return is_damaged(at, name, "a text of fixed length");
     *text = calloc(H5Tget_size(type) + 1, 1);
     return *text ? DL_OK : dl_fail_memory(at->error, "a text");
 }
@@ -32,11 +46,11 @@ static dl_status adopt_text(const place *at, const char *name, hid_t type, char 
 static dl_status read_text(const place *at, hid_t owner, const char *name, char **text) {
     hid_t attribute = H5Aopen(owner, name, H5P_DEFAULT);
     if (attribute < 0)
-        return lacks(at, name, "a text attribute");
+        return lacks(at, name);
     hid_t type = H5Aget_type(attribute);
     dl_status status = adopt_text(at, name, type, text);
     if (status == DL_OK && H5Aread(attribute, type, *text) < 0)
-        status = lacks(at, name, "a text attribute");
+        status = is_damaged(at, name, "a text attribute");
     H5Tclose(type);
     H5Aclose(attribute);
     return status;
@@ -45,11 +59,11 @@ static dl_status read_text(const place *at, hid_t owner, const char *name, char 
 static dl_status read_long_text(const place *at, hid_t owner, const char *name, char **text) {
     hid_t set = H5Dopen2(owner, name, H5P_DEFAULT);
     if (set < 0)
-        return lacks(at, name, "a text dataset");
+        return lacks(at, name);
     hid_t type = H5Dget_type(set);
     dl_status status = adopt_text(at, name, type, text);
     if (status == DL_OK && H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, *text) < 0)
-        status = lacks(at, name, "a text dataset");
+        status = is_damaged(at, name, "a text dataset");
     H5Tclose(type);
     H5Dclose(set);
     return status;
@@ -76,13 +90,13 @@ static dl_status read_status(const place *at, hid_t owner, const char *name, dl_
 static dl_status read_number(const place *at, hid_t owner, const dl_field *field, void *value) {
     hid_t attribute = H5Aopen(owner, field->name, H5P_DEFAULT);
     if (attribute < 0)
-        return lacks(at, field->name, "a number");
+        return lacks(at, field->name);
     hid_t space = H5Aget_space(attribute);
     int bad = H5Sget_simple_extent_npoints(space) != 1 ||
               H5Aread(attribute, dl_field_native(field->kind), value) < 0;
     H5Sclose(space);
     H5Aclose(attribute);
-    return bad ? lacks(at, field->name, "a number") : DL_OK;
+    return bad ? is_damaged(at, field->name, "a number") : DL_OK;
 }
 
 /* The shape must be what `samples` and `particles`, read before, say. */
@@ -92,19 +106,19 @@ static dl_status read_series(const place *at, hid_t owner, const dl_record *reco
     int rank = dl_field_shape(record, field, element, shape);
     hid_t set = H5Dopen2(owner, field->name, H5P_DEFAULT);
     if (set < 0)
-        return lacks(at, field->name, "a dataset");
+        return lacks(at, field->name);
     hid_t space = H5Dget_space(set);
     dl_status status = DL_OK;
     if (H5Sget_simple_extent_ndims(space) != rank ||
         H5Sget_simple_extent_dims(space, found, NULL) < 0 || found[0] != shape[0] ||
         found[1] != shape[1]) {
-        status = lacks(at, field->name, "one row a sample");
+        status = is_damaged(at, field->name, "one row a sample");
     } else {
         *values = calloc((size_t)(shape[0] * shape[1]) + 1, sizeof **values);
         if (!*values)
             status = dl_fail_memory(at->error, field->name);
         else if (H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, *values) < 0)
-            status = lacks(at, field->name, "one row a sample");
+            status = is_damaged(at, field->name, "one row a sample");
     }
     H5Sclose(space);
     H5Dclose(set);
@@ -116,9 +130,8 @@ static bool is_dataset(const dl_field *field) {
            field->kind == DL_FIELD_POSITIONS;
 }
 
-/* What a file of an earlier program does not have. */
 static bool is_missing(hid_t owner, const dl_field *field) {
-    if (!field->is_later)
+    if (!field->is_optional)
         return false;
     return (is_dataset(field) ? H5Lexists(owner, field->name, H5P_DEFAULT)
                               : H5Aexists(owner, field->name)) == 0;
@@ -170,7 +183,7 @@ static dl_status read_elements(place *at, hid_t group, const dl_record *record, 
         at->element = name;
         hid_t element = H5Gopen2(group, name, H5P_DEFAULT);
         if (element < 0) {
-            status = lacks(at, "", "a group");
+            status = is_damaged(at, "", "a group");
         } else {
             (*count)++; /* before it is read: what a half-read one owns is freed with the others */
             status = read_element(at, element, record, array + i * record->size);
@@ -189,12 +202,12 @@ static dl_status read_record(place *at, hid_t file, const dl_record *record, dl_
         return DL_OK; /* a file from before there were any */
     hid_t group = H5Gopen2(file, record->group, H5P_DEFAULT);
     if (group < 0)
-        return lacks(at, record->group, "a group");
+        return lacks(at, record->group);
     H5G_info_t info;
     dl_status status = DL_OK;
     at->group = record->group;
     if (H5Gget_info(group, &info) < 0)
-        status = lacks(at, "", "a group");
+        status = is_damaged(at, "", "a group");
     else if (info.nlinks && !(*array = calloc((size_t)info.nlinks, record->size)))
         status = dl_fail_memory(at->error, record->group);
     else
@@ -204,9 +217,8 @@ static dl_status read_record(place *at, hid_t file, const dl_record *record, dl_
     return status;
 }
 
-static dl_status check_format(const place *at, hid_t file) {
+static dl_status check_format(place *at, hid_t file) {
     char *format = NULL;
-    int version = 0;
     dl_status status = read_text(at, file, "format", &format);
     if (status != DL_OK || strcmp(format, DL_RESULTS_FORMAT) != 0)
         status = dl_fail(at->error, DL_INPUT,
@@ -217,12 +229,10 @@ static dl_status check_format(const place *at, hid_t file) {
     if (status != DL_OK)
         return status;
     const dl_field field = {"version", DL_FIELD_INT, 0, false};
-    status = read_number(at, file, &field, &version);
-    if (status == DL_OK && version != DL_RESULTS_VERSION)
-        status = dl_fail(at->error, DL_INPUT,
-                         "%s: found a results file of format version %d, expected version %d",
-                         at->path, version, DL_RESULTS_VERSION);
-    return status;
+    status = read_number(at, file, &field, &at->version);
+    return status == DL_OK && (at->version < 1 || at->version > DL_RESULTS_VERSION)
+               ? dl_results_fail_other_program(at->path, file, at->version, "", at->error)
+               : status;
 }
 
 static dl_status open_file(const char *path, hid_t *file, dl_error *error) {
@@ -249,7 +259,7 @@ dl_status dl_results_read(const char *path, dl_results **results, dl_error *erro
     dl_status status = open_file(path, &file, error);
     if (status != DL_OK)
         return status;
-    place at = {.path = path, .group = "", .element = "", .error = error};
+    place at = {.path = path, .group = "", .element = "", .file = file, .error = error};
     dl_results *made = NULL;
     status = check_format(&at, file);
     if (status == DL_OK)

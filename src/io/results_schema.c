@@ -5,11 +5,11 @@
 
 #define FIELD(type, kind, name)                                                                    \
     { #name, DL_FIELD_##kind, offsetof(type, name), false }
-#define LATER(type, kind, name)                                                                    \
+#define OPTIONAL(type, kind, name)                                                                 \
     { #name, DL_FIELD_##kind, offsetof(type, name), true }
 #define SUMMARY(kind, name)                                                                        \
     { #name, DL_FIELD_##kind, offsetof(dl_case, summary.name), false }
-#define LATER_SUMMARY(kind, name)                                                                  \
+#define OPTIONAL_SUMMARY(kind, name)                                                               \
     { #name, DL_FIELD_##kind, offsetof(dl_case, summary.name), true }
 
 static const dl_field head_fields[] = {
@@ -32,26 +32,26 @@ static const dl_field scene_fields[] = {
 
 static const dl_field reference_fields[] = {
     FIELD(dl_reference, TEXT, key),
-    LATER(dl_reference, TEXT, digest),
+    OPTIONAL(dl_reference, TEXT, digest),
     FIELD(dl_reference, TEXT, scene),
     FIELD(dl_reference, TEXT, description),
-    LATER(dl_reference, TEXT, precision),
-    LATER(dl_reference, TEXT, note),
+    OPTIONAL(dl_reference, TEXT, precision),
+    OPTIONAL(dl_reference, TEXT, note),
     FIELD(dl_reference, REAL, error),
-    LATER(dl_reference, REAL, seconds),
-    LATER(dl_reference, REAL, length),
-    LATER(dl_reference, REAL, lyapunov),
-    LATER(dl_reference, REAL, lyapunov_error),
-    LATER(dl_reference, REAL, parted),
-    LATER(dl_reference, REAL, horizon),
+    OPTIONAL(dl_reference, REAL, seconds),
+    OPTIONAL(dl_reference, REAL, length),
+    OPTIONAL(dl_reference, REAL, lyapunov),
+    OPTIONAL(dl_reference, REAL, lyapunov_error),
+    OPTIONAL(dl_reference, REAL, parted),
+    OPTIONAL(dl_reference, REAL, horizon),
     FIELD(dl_reference, SIZE, samples),
     FIELD(dl_reference, SIZE, particles),
     FIELD(dl_reference, INT, dimension),
     FIELD(dl_reference, SERIES, time),
     FIELD(dl_reference, SERIES, sample_error),
-    LATER(dl_reference, SERIES, growth),
+    OPTIONAL(dl_reference, SERIES, growth),
     FIELD(dl_reference, POSITIONS, position),
-    LATER(dl_reference, POSITIONS, position_low),
+    OPTIONAL(dl_reference, POSITIONS, position_low),
 };
 
 static const dl_field case_fields[] = {
@@ -63,7 +63,7 @@ static const dl_field case_fields[] = {
     FIELD(dl_case, TEXT, command),
     SUMMARY(STATUS, status),
     SUMMARY(MESSAGE, message),
-    LATER_SUMMARY(MESSAGE, choice),
+    OPTIONAL_SUMMARY(MESSAGE, choice),
     SUMMARY(REAL, t_end_reached),
     SUMMARY(REAL, step),
     SUMMARY(ULONG, steps),
@@ -74,13 +74,13 @@ static const dl_field case_fields[] = {
     SUMMARY(ULONG, nonlinear_iterations),
     SUMMARY(ULONG, linear_iterations),
     SUMMARY(ULONG, factorisations),
-    LATER_SUMMARY(ULONG, inexact_steps),
-    LATER_SUMMARY(ULONG, rescued_steps),
+    OPTIONAL_SUMMARY(ULONG, inexact_steps),
+    OPTIONAL_SUMMARY(ULONG, rescued_steps),
     SUMMARY(ULONG, neighbour_list_builds),
     SUMMARY(ULONG, wall_hits),
-    SUMMARY(ULONG, contacts),
-    SUMMARY(ULONG, releases),
-    SUMMARY(ULONG, crossings),
+    OPTIONAL_SUMMARY(ULONG, contacts),
+    OPTIONAL_SUMMARY(ULONG, releases),
+    OPTIONAL_SUMMARY(ULONG, crossings),
     SUMMARY(REAL, cpu_seconds),
     SUMMARY(REAL, energy_initial),
     SUMMARY(REAL, energy_final),
@@ -103,6 +103,8 @@ static const dl_field case_fields[] = {
     FIELD(dl_case, SERIES, sample_time),
     FIELD(dl_case, SERIES, sample_energy_error),
     FIELD(dl_case, SERIES, sample_position_error),
+    OPTIONAL(dl_case, SERIES, sample_momentum_error),
+    OPTIONAL(dl_case, SERIES, sample_angular_momentum_error),
     FIELD(dl_case, TEXT, invalid),
     FIELD(dl_case, TEXT, refused),
 };

@@ -8,7 +8,7 @@
 #include "driftlab/results.h"
 
 #define DL_RESULTS_FORMAT  "driftlab results"
-#define DL_RESULTS_VERSION 1
+#define DL_RESULTS_VERSION 2 /* raised with every field that is added; 1 is read, too */
 
 typedef enum dl_field_kind {
     DL_FIELD_TEXT,       /* char *, attribute */
@@ -30,7 +30,8 @@ typedef struct dl_field {
     const char *name;
     dl_field_kind kind;
     size_t offset;
-    bool is_later; /* files of earlier programs lack it, and are read as if it were 0 or "" */
+    bool is_optional; /* read as 0, "" or NULL where a file lacks it: it is of an earlier program,
+                         or there was nothing to store */
 } dl_field;
 
 /* Where the elements of one array of dl_results live, in the file and in memory. */
@@ -76,8 +77,8 @@ hid_t dl_field_stored(dl_field_kind kind);
 void dl_record_release(const dl_record *record, void *element);
 
 /* An element as bytes, for another process of the same program, and back: every field in the order
- * of the record, texts after their length. *bytes is the caller's; on failure of unpack, too, the
- * element is to be released. */
+ * of the record, texts and arrays after their length. *bytes is the caller's; on failure of unpack,
+ * too, the element is to be released. */
 dl_status dl_record_pack(const dl_record *record, const void *element, void **bytes, size_t *size,
                          dl_error *error);
 dl_status dl_record_unpack(const dl_record *record, const void *bytes, size_t size, void *element,

@@ -63,6 +63,8 @@ static int write_field(hid_t owner, const dl_record *record, const dl_field *fie
                        const void *element) {
     const void *value = dl_field_at(field, element);
     if (dl_field_is_array(field->kind)) {
+        if (field->is_optional && !*(double *const *)value)
+            return 0;
         hsize_t shape[2];
         int rank = dl_field_shape(record, field, element, shape);
         return write_dataset(owner, field->name, H5Screate_simple(rank, shape, NULL),

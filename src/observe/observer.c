@@ -96,7 +96,9 @@ static dl_status measure_in(dl_observer *observer, const double *y, double *y_al
         return status;
     dl_model_expand(observer->model, y, y_all);
     measured->kinetic = kinetic_energy(observer->model->scene, y_all, frame);
-    dl_model_momentum(observer->model, y, measured->linear, measured->angular);
+    if (dl_model_conserves_linear_momentum(observer->model) ||
+        dl_model_conserves_angular_momentum(observer->model))
+        dl_model_momentum(observer->model, y, measured->linear, measured->angular);
     return DL_OK;
 }
 

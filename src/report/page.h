@@ -24,7 +24,8 @@ typedef struct dl_slot {
     X(paper_css)                                                                                   \
     X(player_html)                                                                                 \
     X(page_css)                                                                                    \
-    X(dom_js) X(format_js) X(charts_js) X(export_js) X(findings_js) X(page_js) X(player_js)
+    X(dom_js)                                                                                      \
+    X(format_js) X(charts_js) X(export_js) X(findings_js) X(across_js) X(page_js) X(player_js)
 #define DL_ASSET_SYMBOLS(name) extern const char dl_asset_##name[], dl_asset_##name##_end[];
 DL_ASSETS(DL_ASSET_SYMBOLS)
 #undef DL_ASSET_SYMBOLS

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "driftlab/across.h"
 #include "driftlab/front.h"
 #include "driftlab/reference.h"
 #include "report/page.h"
@@ -13,11 +14,21 @@
 #include "study/errors.h"
 #include "version.h"
 
-/* One object or array under construction; `failed` once anything could not be added. */
+/* The page under construction; `failed` once anything could not be added. */
 typedef struct builder {
-    const dl_results *results;
+    const dl_results *const *all; /* [count] */
+    size_t count;
+    const dl_results *results; /* the one at hand */
+    size_t first;              /* where its cases begin among those of all */
     bool failed;
 } builder;
+
+static void take(builder *build, size_t k) {
+    build->first = 0;
+    for (size_t i = 0; i < k; i++)
+        build->first += build->all[i]->cases;
+    build->results = build->all[k];
+}
 
 static void put(builder *build, json_t *object, const char *key, json_t *value) {
     if (!object || json_object_set_new(object, key, value) != 0)
@@ -171,24 +182,43 @@ static double position_error(const builder *build, const dl_case *cased, size_t 
                                                                                             : NAN;
 }
 
-/* {time, energy, position, stride}: every sample, or of `stride` neighbours the worst. */
-static json_t *samples(builder *build, const dl_case *cased) {
-    json_t *object = json_object(), *time = json_array();
-    json_t *energy = json_array(), *position = json_array();
-    size_t stride = (cased->samples + DL_PAGE_SAMPLES - 1) / DL_PAGE_SAMPLES;
-    for (size_t from = 0; cased->sample_time && from < cased->samples; from += stride) {
-        size_t to = from + stride < cased->samples ? from + stride : cased->samples;
-        size_t i = largest_energy_error(cased, from, to);
-        append(build, time, real(cased->sample_time[i]));
-        append(build, energy,
-               real(cased->sample_energy_error
-                        ? relative(cased->sample_energy_error[i], cased->summary.energy_scale)
-                        : NAN));
-        append(build, position, real(position_error(build, cased, i)));
+/* One of a case's series over time. */
+typedef struct page_series {
+    const char *name;
+    const double *values; /* [samples]; NULL: the case has none of it, and the page no key */
+    double scale;         /* 0: in the scene's own units */
+} page_series;
+
+static json_t *one_series(builder *build, const dl_case *cased, const page_series *of,
+                          size_t stride) {
+    json_t *array = json_array();
+    for (size_t from = 0; from < cased->samples; from += stride) {
+        const size_t to = from + stride < cased->samples ? from + stride : cased->samples;
+        const size_t i = largest_energy_error(cased, from, to);
+        const double value = of->values == cased->sample_position_error
+                                 ? position_error(build, cased, i)
+                                 : of->values[i];
+        append(build, array, real(of->scale != 0 ? relative(value, of->scale) : value));
     }
-    put(build, object, "time", time);
-    put(build, object, "energy", energy);
-    put(build, object, "position", position);
+    return array;
+}
+
+/* {time, energy, position, momentum, angular-momentum, stride}, as far as the case has them: every
+ * sample, or of `stride` neighbours the one with the largest energy error. */
+static json_t *samples(builder *build, const dl_case *cased) {
+    const dl_run_summary *summary = &cased->summary;
+    const page_series table[] = {
+        {"time", cased->sample_time, 0},
+        {"energy", cased->sample_energy_error, summary->energy_scale},
+        {"position", cased->sample_position_error, 0},
+        {"momentum", cased->sample_momentum_error, summary->momentum_scale},
+        {"angular-momentum", cased->sample_angular_momentum_error, summary->angular_momentum_scale},
+    };
+    json_t *object = json_object();
+    const size_t stride = (cased->samples + DL_PAGE_SAMPLES - 1) / DL_PAGE_SAMPLES;
+    for (size_t k = 0; k < sizeof table / sizeof *table; k++)
+        if (table[k].values)
+            put(build, object, table[k].name, one_series(build, cased, &table[k], stride));
     put(build, object, "stride", json_integer((json_int_t)stride));
     return object;
 }
@@ -247,7 +277,7 @@ typedef struct front {
 static json_t *indices(builder *build, const front *of) {
     json_t *array = json_array();
     for (size_t i = 0; i < of->count; i++)
-        append(build, array, json_integer((json_int_t)of->point[i].index));
+        append(build, array, json_integer((json_int_t)(build->first + of->point[i].index)));
     return array;
 }
 
@@ -272,7 +302,7 @@ static json_t *accuracies(builder *build, const front fronts[DL_COSTS]) {
             const dl_front_point *best =
                 dl_front_cheapest(fronts[cost].point, fronts[cost].count, error);
             put(build, row, cost_names[cost],
-                best ? json_integer((json_int_t)best->index) : json_null());
+                best ? json_integer((json_int_t)(build->first + best->index)) : json_null());
         }
         append(build, array, row);
     }
@@ -320,6 +350,8 @@ static json_t *one_scene(builder *build, const char *name, const dl_scene_record
     put(build, object, "name", dl_page_text(name));
     if (record)
         put_texts(build, object, record, texts, sizeof texts / sizeof *texts);
+    put(build, object, "asked_error", real(results->asked_error));
+    put(build, object, "asked_in", dl_page_text(results->asked_in));
     put(build, object, "reference", reference_of(build, name));
     char answer[2 * DL_MESSAGE_SIZE];
     dl_results_answer(results, name, answer, sizeof answer);
@@ -328,7 +360,7 @@ static json_t *one_scene(builder *build, const char *name, const dl_scene_record
     if (results->asked_error > 0)
         best = dl_results_cheapest(results, name, results->asked_in, results->asked_error);
     put(build, object, "cheapest",
-        best ? json_integer((json_int_t)(best - results->cased)) : json_null());
+        best ? json_integer((json_int_t)build->first + (best - results->cased)) : json_null());
     put(build, object, "tradeoff", tradeoffs(build, name));
     return object;
 }
@@ -342,9 +374,8 @@ static bool has_scene(const json_t *scenes, const char *name) {
     return false;
 }
 
-static json_t *all_scenes(builder *build) {
+static void add_scenes(builder *build, json_t *scenes) {
     const dl_results *results = build->results;
-    json_t *scenes = json_array();
     for (size_t i = 0; i < results->scenes; i++) {
         const dl_scene_record *record = &results->scene[i];
         append(build, scenes, one_scene(build, record->name ? record->name : "", record));
@@ -354,7 +385,6 @@ static json_t *all_scenes(builder *build) {
         if (!has_scene(scenes, name))
             append(build, scenes, one_scene(build, name, NULL));
     }
-    return scenes;
 }
 
 static json_t *all_facts(builder *build) {
@@ -368,25 +398,107 @@ static json_t *all_facts(builder *build) {
     return facts;
 }
 
-dl_status dl_page_data(const dl_results *results, char **json, dl_error *error) {
-    static const named_text texts[] = {
-        {"study", offsetof(dl_results, study)},       {"title", offsetof(dl_results, title)},
-        {"kind", offsetof(dl_results, kind)},         {"question", offsetof(dl_results, question)},
-        {"asked_in", offsetof(dl_results, asked_in)},
-    };
-    builder build = {.results = results};
-    *json = NULL;
-    json_t *root = json_object(), *cases = json_array();
-    put_texts(&build, root, results, texts, sizeof texts / sizeof *texts);
-    put(&build, root, "version", dl_page_text(DL_VERSION));
-    put(&build, root, "asked_error", real(results->asked_error));
-    put(&build, root, "facts", all_facts(&build));
-    put(&build, root, "scenes", all_scenes(&build));
-    for (size_t i = 0; i < results->cases; i++)
-        append(&build, cases, one_case(&build, &results->cased[i]));
-    put(&build, root, "cases", cases);
-    put(&build, root, "findings", dl_page_findings(results));
+/* --- across scenes ------------------------------------------------------------------------- */
 
+static size_t index_of(const builder *build, const dl_results *results, const dl_case *cased) {
+    size_t first = 0;
+    for (size_t k = 0; k < build->count && build->all[k] != results; k++)
+        first += build->all[k]->cases;
+    return first + (size_t)(cased - results->cased);
+}
+
+/* [{method, reached, worst, cells: [{case, ratio, rank} or null]}], cells in the order of scenes.
+ */
+static json_t *across_rows(builder *build, const dl_across *across) {
+    json_t *rows = json_array();
+    for (size_t m = 0; m < across->rows; m++) {
+        const dl_across_row *row = &across->row[m];
+        json_t *cells = json_array();
+        for (size_t s = 0; s < across->scenes; s++) {
+            const dl_across_cell *cell = &row->cell[s];
+            append(
+                build, cells,
+                cell->best
+                    ? json_pack("{s:I,s:o,s:I}", "case",
+                                (json_int_t)index_of(build, across->scene[s].results, cell->best),
+                                "ratio", real(cell->ratio), "rank", (json_int_t)cell->rank)
+                    : json_null());
+        }
+        append(build, rows,
+               json_pack("{s:s,s:I,s:o,s:o}", "method", row->method, "reached",
+                         (json_int_t)row->reached, "worst", real(row->worst), "cells", cells));
+    }
+    return rows;
+}
+
+/* Methods by scenes; null where there are not several scenes that cases ran on. */
+static json_t *across_scenes(builder *build, dl_error *error) {
+    dl_across across;
+    json_t *rows = NULL;
+    if (dl_across_create(build->all, build->count, &across, error) != DL_OK)
+        build->failed = true;
+    else
+        rows = across.scenes > 1 && across.rows > 0 ? across_rows(build, &across) : json_null();
+    dl_across_release(&across);
+    return rows;
+}
+
+/* --- all of it ----------------------------------------------------------------------------- */
+
+static json_t *all_studies(builder *build) {
+    static const named_text texts[] = {
+        {"study", offsetof(dl_results, study)},
+        {"title", offsetof(dl_results, title)},
+        {"question", offsetof(dl_results, question)},
+    };
+    json_t *studies = json_array();
+    for (size_t k = 0; k < build->count; k++) {
+        json_t *study = json_object();
+        take(build, k);
+        put_texts(build, study, build->results, texts, sizeof texts / sizeof *texts);
+        put(build, study, "facts", all_facts(build));
+        append(build, studies, study);
+    }
+    return studies;
+}
+
+static void put_findings(builder *build, json_t *root) {
+    json_t *findings = json_array();
+    for (size_t k = 0; k < build->count; k++) {
+        json_t *added = dl_page_findings(build->all[k]);
+        build->failed |= !added || json_array_extend(findings, added) != 0;
+        json_decref(added);
+    }
+    put(build, root, "findings", findings);
+}
+
+static json_t *root_of(builder *build, const char *title, dl_error *error) {
+    json_t *root = json_object(), *cases = json_array(), *scenes = json_array();
+    char answer[4 * DL_MESSAGE_SIZE];
+    put(build, root, "title", dl_page_text(title));
+    put(build, root, "kind", dl_page_text(build->all[0]->kind));
+    put(build, root, "version", dl_page_text(DL_VERSION));
+    put(build, root, "studies", all_studies(build));
+    dl_results_answer_all(build->all, build->count, answer, sizeof answer);
+    put(build, root, "answer", dl_page_text(answer));
+    for (size_t k = 0; k < build->count; k++) {
+        take(build, k);
+        add_scenes(build, scenes);
+        for (size_t i = 0; i < build->results->cases; i++)
+            append(build, cases, one_case(build, &build->results->cased[i]));
+    }
+    put(build, root, "scenes", scenes);
+    put(build, root, "across", across_scenes(build, error));
+    put(build, root, "cases", cases);
+    put_findings(build, root);
+    return root;
+}
+
+dl_status dl_page_data(const dl_results *const *results, size_t count, const char *title,
+                       char **json, dl_error *error) {
+    builder build = {.all = results, .count = count};
+    *json = NULL;
+    json_t *root = root_of(&build, title, error);
     char *dumped = build.failed ? NULL : json_dumps(root, JSON_COMPACT);
     if (dumped)
         *json = dl_page_json(dumped);

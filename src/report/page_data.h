@@ -9,9 +9,10 @@
  * with the largest energy error stays. */
 #define DL_PAGE_SAMPLES 500
 
-/* *json is owned by the caller (free). Reals that are not finite are null, energy errors are
- * relative to the energy scale, and no `<` is left in the text, so that it can stand inside
- * <script>. */
-dl_status dl_page_data(const dl_results *results, char **json, dl_error *error);
+/* Of `count` studies of one kind, on different scenes. *json is owned by the caller (free). Reals
+ * that are not finite are null, energy errors are relative to the energy scale, and no `<` is left
+ * in the text, so that it can stand inside <script>. */
+dl_status dl_page_data(const dl_results *const *results, size_t count, const char *title,
+                       char **json, dl_error *error);
 
 #endif

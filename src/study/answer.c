@@ -43,13 +43,6 @@ static const dl_case *closest(const dl_results *results, const char *scene) {
     return best;
 }
 
-static const dl_study_kind *kind_of(const dl_results *results) {
-    for (size_t k = 0; dl_study_kinds[k]; k++)
-        if (strcmp(results->kind, dl_study_kinds[k]) == 0)
-            return dl_study_kind_rows[k];
-    return &dl_study_kind_work_precision;
-}
-
 /* Length of the word "key=value" at `options`, and of its key. */
 static size_t word_length(const char *options, size_t *key) {
     *key = strcspn(options, "= ");
@@ -93,8 +86,8 @@ static void short_options(const dl_results *results, const dl_case *cased,
 }
 
 void dl_results_answer(const dl_results *results, const char *scene, char *text, size_t size) {
-    if (kind_of(results)->answer) {
-        kind_of(results)->answer(results, scene, text, size);
+    if (dl_study_kind_of(results)->answer) {
+        dl_study_kind_of(results)->answer(results, scene, text, size);
         return;
     }
     const char *in = results->asked_in, *article = in_energy(in) ? "an" : "a";
@@ -318,7 +311,7 @@ void dl_results_print(const dl_results *results, FILE *out) {
     for (size_t s = 0; s < results->scenes; s++) {
         const char *scene = results->scene[s].name;
         const dl_reference *reference = dl_results_reference(results, scene);
-        if (kind_of(results)->measure) {
+        if (dl_study_kind_of(results)->measure) {
             print_findings(results, scene, out);
             continue;
         }
@@ -330,5 +323,10 @@ void dl_results_print(const dl_results *results, FILE *out) {
     for (size_t s = 0; s < results->scenes; s++) {
         dl_results_answer(results, results->scene[s].name, answer, sizeof answer);
         fprintf(out, "%s\n", answer);
+    }
+    if (results->scenes > 1) {
+        char all[4 * DL_MESSAGE_SIZE];
+        dl_results_answer_all(&results, 1, all, sizeof all);
+        fprintf(out, "%s\n", all);
     }
 }

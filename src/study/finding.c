@@ -96,11 +96,15 @@ static const char *find_option(const char *options, const char *name) {
     return NULL;
 }
 
-void dl_finding_fineness(const dl_finding *finding, char *text, size_t size) {
-    const char *at = find_option(finding->options, "step");
+void dl_options_fineness(const char *options, char *text, size_t size) {
+    const char *at = find_option(options, "step");
     if (!at || strncmp(at, "step=0 ", strlen("step=0 ")) == 0)
-        at = find_option(finding->options, "rtol");
+        at = find_option(options, "rtol");
     snprintf(text, size, "%.*s", at ? (int)strcspn(at, " ") : 0, at ? at : "");
+}
+
+void dl_finding_fineness(const dl_finding *finding, char *text, size_t size) {
+    dl_options_fineness(finding->options, text, size);
 }
 
 dl_status dl_finding_pack(const dl_finding *finding, void **bytes, size_t *size, dl_error *error) {

@@ -21,8 +21,9 @@ dl_status dl_finding_add_row(dl_finding *finding, const double *values, const ch
 dl_status dl_finding_judge(dl_finding *finding, dl_error *error, const char *verdict,
                            const char *reason, ...) __attribute__((format(printf, 4, 5)));
 
-/* What its runs are made finer by, among its options: "step=0.01", or "rtol=1e-06" where the method
+/* What runs are made finer by, among the options: "step=0.01", or "rtol=1e-06" where the method
  * chooses its steps; "" where there is neither. */
+void dl_options_fineness(const char *options, char *text, size_t size);
 void dl_finding_fineness(const dl_finding *finding, char *text, size_t size);
 
 /* The finding as bytes of its own, and back (a finding that is to be released on failure too). */

@@ -37,7 +37,9 @@ struct dl_study_kind {
     dl_status (*check)(const dl_study_unit *unit, dl_error *error);
     /* Fills the finding with dl_finding_*. A method that fails is a finding, not a failure. */
     dl_status (*measure)(const dl_study_unit *unit, dl_finding *finding, dl_error *error);
-    /* The study's answer for a scene in a sentence or two, from its findings alone. */
+    const char *good;  /* the verdict that a method is to have; NULL: ... */
+    const char *merit; /* ... the quantity that is to be large */
+    /* The study's answer for a scene in at most two sentences, from its findings alone. */
     void (*answer)(const dl_results *results, const char *scene, char *text, size_t size);
 };
 
@@ -57,6 +59,9 @@ DL_STUDY_KINDS(DL_STUDY_KIND_DECLARE)
 /* The names, in that order, NULL-terminated, and the rows. */
 extern const char *const dl_study_kinds[];
 extern const dl_study_kind *const dl_study_kind_rows[];
+
+/* The row of the kind that the results say. */
+const dl_study_kind *dl_study_kind_of(const dl_results *results);
 
 /* Creates the method on the scene as a run to `end` with samples every `sample` would, so that what
  * that refuses is refused before anything runs: for kinds' `check`. */

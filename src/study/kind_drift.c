@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "study/drift.h"
+#include "study/verdicts.h"
 
 #define AT(field) .offset = offsetof(dl_drift_settings, field)
 
@@ -217,35 +218,27 @@ static dl_status measure(const dl_study_unit *unit, dl_finding *finding, dl_erro
 /* --- answer ------------------------------------------------------------------------------------
  */
 
-/* Appends "VERDICT: METHOD step=X, ...", the first few and how many more, or nothing. */
-static void list(const dl_results *results, const char *scene, const char *verdict, char *text,
-                 size_t size) {
-    enum { most = 6 };
-    size_t used = strlen(text), found = 0;
-    const char *const before = *text ? "; " : "";
-    for (size_t i = 0; i < results->findings && used < size; i++) {
-        const dl_finding *finding = &results->finding[i];
-        char fineness[64];
-        if (strcmp(finding->scene, scene) != 0 || strcmp(finding->verdict, verdict) != 0)
-            continue;
-        if (found++ >= most)
-            continue;
-        dl_finding_fineness(finding, fineness, sizeof fineness);
-        used += (size_t)snprintf(text + used, size - used, "%s%s%s %s %s", found > 1 ? "," : before,
-                                 found > 1 ? "" : verdict, found > 1 ? "" : ":", finding->method,
-                                 fineness);
-    }
-    if (found > most && used < size)
-        snprintf(text + used, size - used, " and %zu more", found - most);
-}
-
 static void answer(const dl_results *results, const char *scene, char *text, size_t size) {
-    static const char *const verdicts[] = {"pass", "fail", "not measurable"};
-    char found[DL_MESSAGE_SIZE] = "";
-    for (size_t v = 0; v < sizeof verdicts / sizeof *verdicts; v++)
-        list(results, scene, verdicts[v], found, sizeof found);
-    snprintf(text, size, "does the energy stay on %s? %s", scene,
-             *found ? found : "nothing was measured");
+    const size_t all = dl_verdict_count(results, scene, NULL),
+                 stays = dl_verdict_count(results, scene, "pass");
+    const size_t fails = dl_verdict_count(results, scene, "fail");
+    FILE *out = fmemopen(text, size, "w");
+    text[0] = '\0';
+    if (!out)
+        return;
+    fprintf(out, "on %s the energy stays with %zu of %zu", scene, stays, all);
+    dl_verdict_list(results, scene, "pass", true, out);
+    if (fails > 0)
+        fprintf(out, ". It does not with %zu", fails);
+    else
+        fputs(". It drifts with none", out);
+    dl_verdict_list(results, scene, "fail", true, out);
+    if (all > stays + fails) {
+        fprintf(out, ", and of %zu it cannot be told", all - stays - fails);
+        dl_verdict_list(results, scene, "not measurable", true, out);
+    }
+    fclose(out);
+    text[size - 1] = '\0';
 }
 
 const dl_study_kind dl_study_kind_drift = {
@@ -255,5 +248,6 @@ const dl_study_kind dl_study_kind_drift = {
     .samples = 1000,
     .check = check,
     .measure = measure,
+    .good = "pass",
     .answer = answer,
 };

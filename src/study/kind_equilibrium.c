@@ -296,36 +296,83 @@ static dl_status measure(const dl_study_unit *unit, dl_finding *finding, dl_erro
 /* --- answer ------------------------------------------------------------------------------------
  */
 
-/* "18.1 (16.8 to 19.3; several states) with leapfrog step=0.0001" */
-static void describe(const dl_finding *finding, const double kinetic[3], char *text, size_t size) {
-    char fineness[64], interval[64] = "";
-    const bool settled = strcmp(finding->verdict, "settled") == 0, known = !isnan(kinetic[1]);
+static const char told[] = "kinetic energy per particle";
+
+/* NaN where it has not settled. */
+static double settled_value(const dl_finding *finding) {
+    const double *value = dl_finding_quantity(finding, told);
+    return value && strcmp(finding->verdict, "settled") == 0 ? value[0] : NAN;
+}
+
+/* Infinite for a method that chooses its steps. */
+static double step_of(const dl_finding *finding) {
+    char fineness[64];
+    double step;
     dl_finding_fineness(finding, fineness, sizeof fineness);
-    if (known)
-        snprintf(interval, sizeof interval, "%.4g to %.4g", kinetic[1], kinetic[2]);
-    const char *verdict = settled ? "" : finding->verdict;
-    if (known || !settled)
-        snprintf(text, size, "%.4g (%s%s%s) with %s %s", kinetic[0], interval,
-                 known && !settled ? "; " : "", verdict, finding->method, fineness);
-    else
-        snprintf(text, size, "%.4g with %s %s", kinetic[0], finding->method, fineness);
+    return sscanf(fineness, "step=%lf", &step) == 1 ? step : INFINITY;
+}
+
+/* The settled cases of a scene: at the smallest step, and the ends of the range. */
+typedef struct settled_cases {
+    size_t all, settled;
+    const dl_finding *finest, *low, *high; /* NULL: none */
+} settled_cases;
+
+static settled_cases find_settled(const dl_results *results, const char *scene) {
+    settled_cases of = {0, 0, NULL, NULL, NULL};
+    for (size_t i = 0; i < results->findings; i++) {
+        const dl_finding *finding = &results->finding[i];
+        if (strcmp(finding->scene, scene) != 0)
+            continue;
+        of.all++;
+        const double value = settled_value(finding);
+        if (isnan(value))
+            continue;
+        of.settled++;
+        if (!of.finest || step_of(finding) < step_of(of.finest))
+            of.finest = finding;
+        if (!of.low || value < settled_value(of.low))
+            of.low = finding;
+        if (!of.high || value > settled_value(of.high))
+            of.high = finding;
+    }
+    return of;
+}
+
+/* "18.1 (16.8 to 19.3) with leapfrog step=0.0001" */
+static void tell_value(const dl_finding *finding, FILE *out) {
+    const double *value = dl_finding_quantity(finding, told);
+    char fineness[64];
+    dl_finding_fineness(finding, fineness, sizeof fineness);
+    fprintf(out, "%.4g", value[0]);
+    if (!isnan(value[1]))
+        fprintf(out, " (%.4g to %.4g)", value[1], value[2]);
+    fprintf(out, " with %s %s", finding->method, fineness);
 }
 
 static void answer(const dl_results *results, const char *scene, char *text, size_t size) {
-    size_t used = (size_t)snprintf(text, size, "kinetic energy per particle on %s:", scene);
-    const char *separator = "";
-    for (size_t i = 0; i < results->findings && used < size; i++) {
-        const dl_finding *finding = &results->finding[i];
-        const double *kinetic = dl_finding_quantity(finding, "kinetic energy per particle");
-        char one[256];
-        if (strcmp(finding->scene, scene) != 0 || !kinetic)
-            continue;
-        describe(finding, kinetic, one, sizeof one);
-        used += (size_t)snprintf(text + used, size - used, "%s %s", separator, one);
-        separator = ",";
+    const settled_cases of = find_settled(results, scene);
+    FILE *out = fmemopen(text, size, "w");
+    text[0] = '\0';
+    if (!out)
+        return;
+    fprintf(out, "%s on %s: ", told, scene);
+    if (!of.finest) {
+        fprintf(out, "none of %zu cases has settled", of.all);
+    } else {
+        tell_value(of.finest, out);
+        fprintf(out, "%s. ",
+                of.settled > 1 && isfinite(step_of(of.finest)) ? ", the smallest step" : "");
+        fprintf(out, "Of %zu case%s %zu settled", of.all, of.all == 1 ? "" : "s", of.settled);
+        if (of.low != of.high) {
+            fputs(", between ", out);
+            tell_value(of.low, out);
+            fputs(" and ", out);
+            tell_value(of.high, out);
+        }
     }
-    if (!*separator && used < size)
-        snprintf(text + used, size - used, " nothing was measured");
+    fclose(out);
+    text[size - 1] = '\0';
 }
 
 const dl_study_kind dl_study_kind_equilibrium = {
@@ -335,5 +382,6 @@ const dl_study_kind dl_study_kind_equilibrium = {
     .samples = 1000,
     .check = check,
     .measure = measure,
+    .good = "settled",
     .answer = answer,
 };

@@ -8,6 +8,7 @@
 #include "study/stability_scales.h"
 #include "study/step_range.h"
 #include "study/trial.h"
+#include "study/verdicts.h"
 
 typedef struct extreme_settings {
     dl_step_range range;
@@ -230,63 +231,42 @@ static dl_status measure(const dl_study_unit *unit, dl_finding *finding, dl_erro
 
 /* --- the answer ------------------------------------------------------------------------------- */
 
-/* How many of the scene's findings have that verdict. */
-static size_t count_verdict(const dl_results *results, const char *scene, const char *verdict) {
-    size_t count = 0;
-    for (size_t i = 0; i < results->findings; i++)
-        count += strcmp(results->finding[i].scene, scene) == 0 &&
-                 strcmp(results->finding[i].verdict, verdict) == 0;
-    return count;
-}
-
 /* Whether a finding before this one, on the same scene, has its verdict. */
 static bool told_before(const dl_results *results, size_t i) {
     const dl_finding *const finding = &results->finding[i];
     for (size_t k = 0; k < i; k++)
-        if (strcmp(results->finding[k].scene, finding->scene) == 0 &&
-            strcmp(results->finding[k].verdict, finding->verdict) == 0)
+        if (dl_verdict_is(&results->finding[k], finding->scene, finding->verdict))
             return true;
     return false;
 }
 
-/* Appends " (METHOD, METHOD, ...)", those on the scene with that verdict; the first few. */
-static size_t name_some(const dl_results *results, const char *scene, const char *verdict,
-                        char *text, size_t size) {
-    enum { most = 4 };
-    size_t used = 0, named = 0;
-    const char *last = "";
-    for (size_t i = 0; i < results->findings && used < size; i++) {
+/* "; blow-up: 2 (METHOD)" for every verdict that is no success. */
+static void tell_ends(const dl_results *results, const char *scene, FILE *out) {
+    const char *separator = ". The others: ";
+    for (size_t i = 0; i < results->findings; i++) {
         const dl_finding *const finding = &results->finding[i];
-        if (strcmp(finding->scene, scene) != 0 || strcmp(finding->verdict, verdict) != 0 ||
-            strcmp(finding->method, last) == 0)
+        const char *const verdict = finding->verdict;
+        if (!dl_verdict_is(finding, scene, NULL) || strcmp(verdict, "holds") == 0 ||
+            told_before(results, i))
             continue;
-        last = finding->method;
-        if (named < most)
-            used += (size_t)snprintf(text + used, size - used, "%s%s", named ? ", " : " (", last);
-        else if (named == most)
-            used += (size_t)snprintf(text + used, size - used, ", ...");
-        named++;
+        fprintf(out, "%s%s: %zu", separator, *verdict ? verdict : "could not be measured",
+                dl_verdict_count(results, scene, verdict));
+        dl_verdict_list(results, scene, verdict, false, out);
+        separator = "; ";
     }
-    if (used < size)
-        used += (size_t)snprintf(text + used, size - used, ")");
-    return used;
 }
 
 static void answer(const dl_results *results, const char *scene, char *text, size_t size) {
-    size_t used = (size_t)snprintf(text, size, "on %s:", scene);
-    const char *separator = " ";
-    for (size_t i = 0; i < results->findings && used < size; i++) {
-        const dl_finding *const finding = &results->finding[i];
-        const char *const verdict = finding->verdict;
-        if (strcmp(finding->scene, scene) != 0 || told_before(results, i))
-            continue;
-        used += (size_t)snprintf(text + used, size - used, "%s%s: %zu", separator,
-                                 *verdict ? verdict : "could not be measured",
-                                 count_verdict(results, scene, verdict));
-        if (used < size)
-            used += name_some(results, scene, verdict, text + used, size - used);
-        separator = "; ";
-    }
+    FILE *out = fmemopen(text, size, "w");
+    text[0] = '\0';
+    if (!out)
+        return;
+    fprintf(out, "on %s %zu of %zu hold", scene, dl_verdict_count(results, scene, "holds"),
+            dl_verdict_count(results, scene, NULL));
+    dl_verdict_list(results, scene, "holds", false, out);
+    tell_ends(results, scene, out);
+    fclose(out);
+    text[size - 1] = '\0';
 }
 
 const dl_study_kind dl_study_kind_extreme = {
@@ -296,5 +276,6 @@ const dl_study_kind dl_study_kind_extreme = {
     .samples = 1000,
     .check = check,
     .measure = measure,
+    .good = "holds",
     .answer = answer,
 };

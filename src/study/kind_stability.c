@@ -295,12 +295,12 @@ static void answer(const dl_results *results, const char *scene, char *text, siz
         return;
     }
     snprintf(text, size,
-             "on %s steps are stable up to %.3g (%s) at the least and %.3g (%s) at the most; a "
-             "force or Jacobian evaluation carries farthest with %s (%.3g); 2/omega is %.3g along "
-             "the run",
+             "on %s steps are stable up to %.3g (%s) at the least and %.3g (%s) at the most, where "
+             "2/omega is %.3g along the run. A force or Jacobian evaluation carries farthest with "
+             "%s (%.3g)",
              scene, quantity(least, limit), least->method, quantity(most, limit), most->method,
-             cheapest ? cheapest->method : "none", cheapest ? quantity(cheapest, frugal) : 0,
-             quantity(most, "2/omega along the run"));
+             quantity(most, "2/omega along the run"), cheapest ? cheapest->method : "none",
+             cheapest ? quantity(cheapest, frugal) : 0);
 }
 
 const dl_study_kind dl_study_kind_stability = {
@@ -312,5 +312,6 @@ const dl_study_kind dl_study_kind_stability = {
     .chooses_step = true,
     .check = check,
     .measure = measure,
+    .merit = "step limit an evaluation",
     .answer = answer,
 };

@@ -11,7 +11,10 @@
 
 typedef enum part { OBSERVED, TIMED } part;
 
-/* First message: this and the three series, one after the other. Those that follow: this with the
+/* What is kept of every sample. */
+typedef enum series { TIME, ENERGY, POSITION, MOMENTUM, ANGULAR_MOMENTUM, SERIES } series;
+
+/* First message: this and the series, one after the other. Those that follow: this with the
  * summary of a timing run. */
 typedef struct message {
     part part;
@@ -27,7 +30,7 @@ typedef struct case_work {
     const dl_watch *watch;
     /* child */
     message found;
-    double *time, *energy_error, *position_error; /* [room] */
+    double *series; /* [SERIES][room] */
     size_t room;
     /* parent */
     dl_case *measured;
@@ -35,17 +38,21 @@ typedef struct case_work {
     size_t timed;
 } case_work;
 
+static double *kept(const case_work *work, series of) {
+    return work->series + (size_t)of * work->room;
+}
+
 static void compare_with_reference(case_work *work, const dl_sample *sample, size_t i) {
     const dl_reference *reference = work->reference;
     message *found = &work->found;
-    work->position_error[i] = found->position_error = found->position_error_max = NAN;
+    kept(work, POSITION)[i] = found->position_error = found->position_error_max = NAN;
     if (!reference || i >= reference->samples ||
         fabs(reference->time[i] - sample->time) > 1e-9 * reference->time[reference->samples - 1])
         return;
     const dl_scene *scene = work->study->scene[work->cased->scene].scene;
     const double error =
         dl_reference_distance(scene, reference, i, sample->y_all, &found->position_error_max);
-    work->position_error[i] = found->position_error = error;
+    kept(work, POSITION)[i] = found->position_error = error;
     if (!dl_reference_is_past(reference, i) &&
         !(error <= found->position_error_ever)) /* NaN at first: none yet */
         found->position_error_ever = error;
@@ -57,8 +64,10 @@ static dl_status keep_sample(void *context, const dl_sample *sample, dl_error *e
     if (i == work->room)
         return dl_fail(error, DL_ERROR, "more samples than the %zu that were asked for",
                        work->room);
-    work->time[i] = sample->time;
-    work->energy_error[i] = sample->energy_error;
+    kept(work, TIME)[i] = sample->time;
+    kept(work, ENERGY)[i] = sample->energy_error;
+    kept(work, MOMENTUM)[i] = sample->momentum_error;
+    kept(work, ANGULAR_MOMENTUM)[i] = sample->angular_momentum_error;
     compare_with_reference(work, sample, i);
     work->found.samples = i + 1;
     return DL_OK;
@@ -67,17 +76,13 @@ static dl_status keep_sample(void *context, const dl_sample *sample, dl_error *e
 static dl_status allocate_series(case_work *work, dl_error *error) {
     /* The start, the intervals, and the last state of a run that ends early. */
     work->room = (size_t)work->study->settings.samples + 2;
-    work->time = malloc(3 * work->room * sizeof(double));
-    if (!work->time)
-        return dl_fail_memory(error, "samples");
-    work->energy_error = work->time + work->room;
-    work->position_error = work->energy_error + work->room;
-    return DL_OK;
+    work->series = malloc(SERIES * work->room * sizeof *work->series);
+    return work->series ? DL_OK : dl_fail_memory(error, "samples");
 }
 
 static void send_observed(case_work *work, int pipe) {
-    const size_t samples = work->found.samples, series = samples * sizeof(double);
-    char *bytes = malloc(sizeof work->found + 3 * series);
+    const size_t samples = work->found.samples, size = samples * sizeof(double);
+    char *bytes = malloc(sizeof work->found + SERIES * size);
     if (!bytes) {
         work->found.samples = 0;
         dl_child_send(pipe, &work->found, sizeof work->found);
@@ -86,10 +91,9 @@ static void send_observed(case_work *work, int pipe) {
     char *to = bytes;
     memcpy(to, &work->found, sizeof work->found);
     to += sizeof work->found;
-    const double *all[] = {work->time, work->energy_error, work->position_error};
-    for (size_t k = 0; k < 3 && samples > 0; k++, to += series)
-        memcpy(to, all[k], series);
-    dl_child_send(pipe, bytes, sizeof work->found + 3 * series);
+    for (series k = 0; k < SERIES && samples > 0; k++, to += size)
+        memcpy(to, kept(work, k), size);
+    dl_child_send(pipe, bytes, sizeof work->found + SERIES * size);
     free(bytes);
 }
 
@@ -134,7 +138,7 @@ static void work_on_case(void *context, int pipe) {
         memcpy(work->found.summary.message, error.message, sizeof error.message);
     }
     send_observed(work, pipe);
-    free(work->time);
+    free(work->series);
     options.observe = false;
     options.on_sample = NULL;
     message timed = {.part = TIMED, .summary = work->found.summary};
@@ -153,21 +157,43 @@ static double *copy_series(const char *bytes, size_t samples) {
     return copy;
 }
 
-static dl_status receive_observed(dl_case *measured, const message *found, const char *series,
+static bool is_known(const double *values, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (!isnan(values[i]))
+            return true;
+    return false;
+}
+
+static dl_status receive_observed(dl_case *measured, const message *found, const char *bytes,
                                   dl_error *error) {
-    const size_t samples = found->samples, size = samples * sizeof(double);
+    const size_t samples = found->samples;
+    const struct {
+        series from;
+        double **to;
+        bool is_always;
+    } table[] = {
+        {TIME, &measured->sample_time, true},
+        {ENERGY, &measured->sample_energy_error, true},
+        {POSITION, &measured->sample_position_error, true},
+        {MOMENTUM, &measured->sample_momentum_error, false},
+        {ANGULAR_MOMENTUM, &measured->sample_angular_momentum_error, false},
+    };
     measured->summary = found->summary;
     measured->position_error_ever = found->position_error_ever;
     if (found->summary.status == DL_OK) {
         measured->position_error = found->position_error;
         measured->position_error_max = found->position_error_max;
     }
-    measured->sample_time = copy_series(series, samples);
-    measured->sample_energy_error = copy_series(series + size, samples);
-    measured->sample_position_error = copy_series(series + 2 * size, samples);
-    if (!measured->sample_time || !measured->sample_energy_error ||
-        !measured->sample_position_error)
-        return dl_fail_memory(error, "samples");
+    for (size_t k = 0; k < sizeof table / sizeof *table; k++) {
+        double **to = table[k].to;
+        *to = copy_series(bytes + (size_t)table[k].from * samples * sizeof **to, samples);
+        if (!*to)
+            return dl_fail_memory(error, "samples");
+        if (!table[k].is_always && !is_known(*to, samples)) {
+            free(*to);
+            *to = NULL;
+        }
+    }
     measured->samples = samples;
     return DL_OK;
 }

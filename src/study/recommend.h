@@ -40,7 +40,8 @@ typedef struct dl_recommend_run {
     char *current; /* [200]: what is under way */
 } dl_recommend_run;
 
-/* Seconds by the clock. */
+/* CPU seconds of this process and the children that it has waited for: what else the machine does
+ * changes nothing. */
 double dl_recommend_clock(void);
 
 /* Sets point, neighbours and reached, or the reason. `target` is set; `start` is the step or

@@ -283,25 +283,13 @@ const makeChart = (canvas, plan) => {
   return chart;
 };
 
-/* A little picture for a key; draw(context) has 34 x 14 to itself. */
-const picture = draw => {
-  const canvas = document.createElement("canvas");
-  const scale = 2; /* legible when printed */
-  Object.assign(canvas, {width: 34 * scale, height: 14 * scale, className: "swatch"});
-  const context = canvas.getContext("2d");
-  context.scale(scale, scale);
-  draw(context);
-  return canvas;
-};
+/* A little picture for a key, 34 x 14. */
+const picture = (...drawn) =>
+  svgElement("svg", {class: "swatch", viewBox: "0 0 34 14", "aria-hidden": "true"}, ...drawn);
+const across = look => svgLine([{x: 1, y: 7}, {x: 33, y: 7}], look);
 
-const linePicture = ({look, bare}) => picture(context => {
-  if (!bare) strokeLine(context, {...look, width: 1.8}, 1, 33, 7);
-  context.fillStyle = look.fill;
-  context.strokeStyle = look.colour;
-  context.lineWidth = 1.5;
-  Chart.helpers.drawPoint(context, {pointStyle: look.shape, radius: 4.5, rotation: 0,
-                                   borderWidth: 1.5}, 17, 7);
-});
+const linePicture = ({look, bare}) =>
+  picture(...(bare ? [] : [across(look)]), svgMarker(look, 17, 7));
 
 const MARK_TEXTS = {
   asked: value => "asked: " + scientific(value),
@@ -313,18 +301,13 @@ const MARK_TEXTS = {
 const markKey = ({asked, floor, horizon, front}) => {
   const key = (image, text) => element("span", {className: "mark"}, image, text);
   const keys = [];
-  if (asked)
-    keys.push(key(picture(context => strokeLine(context, ASKED, 1, 33, 7)),
-                  MARK_TEXTS.asked(asked)));
-  if (front && front.length)
-    keys.push(key(picture(context => strokeLine(context, FRONT, 1, 33, 7)), MARK_TEXTS.front()));
+  if (asked) keys.push(key(picture(across(ASKED)), MARK_TEXTS.asked(asked)));
+  if (front && front.length) keys.push(key(picture(across(FRONT)), MARK_TEXTS.front()));
   if (floor)
-    keys.push(key(picture(context => {
-      context.fillStyle = FLOOR_COLOUR;
-      context.fillRect(1, 1, 32, 12);
-    }), MARK_TEXTS.floor(floor)));
+    keys.push(key(picture(svgElement("rect", {x: 1, y: 1, width: 32, height: 12,
+                                              fill: FLOOR_COLOUR})), MARK_TEXTS.floor(floor)));
   if (horizon)
-    keys.push(key(picture(context => strokeUpright(context, HORIZON, 17, 1, 13)),
+    keys.push(key(picture(svgLine([{x: 17, y: 1}, {x: 17, y: 13}], HORIZON)),
                   MARK_TEXTS.horizon(horizon)));
   return keys;
 };

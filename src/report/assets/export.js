@@ -142,13 +142,11 @@ const svgMarkKey = (chart, top) => {
   return {group, bottom: top + 18 * marksOfChart(chart).length};
 };
 
-/* The chart as it stands, hidden lines left out, as the text of an SVG file. */
-const svgOf = chart => {
+/* The chart as it stands, hidden lines left out. The groups `more` stand beneath, down to `bottom`. */
+const svgPicture = (chart, bottom, ...more) => {
   const {chartArea: area, width} = chart;
-  const key = svgKey(chart, width, area.bottom + 56);
-  const marks = svgMarkKey(chart, key.bottom + 4);
   const root = svgElement("svg", {
-    xmlns: NAMESPACE, width, height: marks.bottom, viewBox: `0 0 ${width} ${marks.bottom}`,
+    xmlns: NAMESPACE, width, height: bottom, viewBox: `0 0 ${width} ${bottom}`,
     "font-family": FONT});
   root.append(
     svgElement("defs", {}, svgElement("clipPath", {id: "frame-" + chart.id}, svgElement("rect", {
@@ -157,9 +155,40 @@ const svgOf = chart => {
     svgElement("rect", {width: "100%", height: "100%", fill: "#fff"}), svgAxes(chart));
   const framed = svgElement("g", {"clip-path": `url(#frame-${chart.id})`});
   framed.append(...marksOfChart(chart).map(([kind, value]) => MARK_SHAPES[kind](chart, value)));
-  root.append(framed, svgData(chart), key.group, marks.group);
-  return new XMLSerializer().serializeToString(root);
+  root.append(framed, svgData(chart), ...more);
+  return root;
 };
+
+/* With its key, as the text of a file. */
+const svgOf = chart => {
+  const key = svgKey(chart, chart.width, chart.chartArea.bottom + 56);
+  const marks = svgMarkKey(chart, key.bottom + 4);
+  return new XMLSerializer().serializeToString(
+    svgPicture(chart, marks.bottom, key.group, marks.group));
+};
+
+/* --- paper: lines, not pixels, and nothing folded away that a narrow window has folded --- */
+
+const foldedTables = new Set();
+
+addEventListener("beforeprint", () => {
+  for (const canvas of document.querySelectorAll("canvas[data-chart]")) {
+    const chart = Chart.getChart(canvas);
+    if (!chart) continue;
+    const drawn = svgPicture(chart, chart.height);
+    drawn.classList.add("vector");
+    canvas.before(drawn);
+  }
+  for (const folded of document.querySelectorAll("details.table:not([open])")) {
+    foldedTables.add(folded);
+    folded.open = true;
+  }
+});
+addEventListener("afterprint", () => {
+  for (const drawn of document.querySelectorAll("svg.vector")) drawn.remove();
+  for (const folded of foldedTables) folded.open = false;
+  foldedTables.clear();
+});
 
 /* --- CSV (RFC 4180) --- */
 

@@ -48,12 +48,12 @@ const writeFindings = (() => {
   const writeFailures = (scene, section) => {
     const missing = scene.findings.filter(failed);
     if (!missing.length) return;
-    section.append(
-      element("h3", {}, `Failures: ${missing.length} of ${scene.findings.length}`),
+    section.append(longTable(
+      `Failures: ${missing.length} of ${scene.findings.length}`, missing.length,
       element("div", {className: "scroll tall"}, element("table", {className: "plain missing"},
         element("tbody", {}, missing.map(one => element("tr", {},
           element("td", {}, one.line.name), element("td", {}, one.label),
-          element("td", {}, verdictMark(one)), element("td", {}, said(one))))))));
+          element("td", {}, verdictMark(one)), element("td", {}, said(one)))))))));
   };
 
   const verdictColumns = findings => {
@@ -87,8 +87,8 @@ const writeFindings = (() => {
       element("th", {scope: "col"}, text)).concat(quantities.map(({name, unit}) =>
       element("th", {scope: "col", className: "number"}, name,
               unit ? element("span", {className: "unit"}, ` [${unit}]`) : null)));
-    section.append(
-      element("h3", {}, `Every method (${scene.findings.length})`),
+    section.append(longTable(
+      `Every method (${scene.findings.length})`, scene.findings.length,
       element("div", {className: "scroll"}, element("table", {className: "cases findings"},
         element("thead", {}, element("tr", {}, heads)), element("tbody", {}, rows))),
       tableSaver(`${scene.name} findings`, () => [
@@ -99,7 +99,7 @@ const writeFindings = (() => {
           ...quantities.flatMap(({name}) => {
             const {value, low, high} = quantityOf(one, name) || {};
             return [value, low, high];
-          })])]));
+          })])])));
   };
 
   /* --- runs by step: a strip a method, a mark a run, its look the run's end --- */

@@ -68,10 +68,10 @@ const groupByMethod = cases => {
   return groups;
 };
 
-/* Splits the cases of a study into lines, in order of first appearance, and gives each case its
- * `line` and its short `label`. The same line has the same index, so the same look, in each scene. */
-const findLines = cases => {
-  const lines = [];
+/* Splits the cases of a scene into lines, in order of first appearance, and gives each case its
+ * `line` and its short `label`. `known`, name -> line, has those of the scenes before: the same line
+ * has the same index, so the same look, in each scene. */
+const findLines = (cases, known) => {
   for (const one of cases) one.option = parseOptions(one.options);
   for (const [method, members] of groupByMethod(cases)) {
     const varying = varyingOptions(members);
@@ -79,18 +79,13 @@ const findLines = cases => {
     if (!along.length)
       along = varying.filter(key => members.every(one => isNumber(one.option.get(key) || "")));
     const apart = varying.filter(key => !along.includes(key));
-    const known = new Map();
     for (const one of members) {
       const name = [method].concat(apart.map(key => `${key}=${one.option.get(key)}`)).join(" ");
-      if (!known.has(name)) {
-        known.set(name, {name, index: lines.length});
-        lines.push(known.get(name));
-      }
+      if (!known.has(name)) known.set(name, {name, index: known.size});
       one.line = known.get(name);
       one.label = caseLabel(one, along);
     }
   }
-  return lines;
 };
 
 const varyingOptions = members => {

@@ -35,11 +35,13 @@ const METRICS = {
   momentum: {
     name: "momentum error",
     axis: "largest |momentum error| / momentum scale [1]",
+    time: "|momentum error| / momentum scale [1]",
     value: one => one.momentum_error,
   },
   "angular-momentum": {
     name: "angular momentum error",
     axis: "largest |angular momentum error| / its scale [1]",
+    time: "|angular momentum error| / its scale [1]",
     value: one => one.angular_momentum_error,
   },
 };
@@ -54,9 +56,9 @@ const COSTS = {
           value: one => one.steps, spent: one => count(one.steps), by: "accepted steps"},
 };
 
-const asked = results.asked_error > 0 && METRICS[results.asked_in]
-  ? {error: results.asked_error, metric: METRICS[results.asked_in], in: results.asked_in}
-  : null;
+/* What a scene's study asks: {error, metric, in}, or null. */
+const askedOf = scene => (scene.asked_error > 0 && METRICS[scene.asked_in]
+  ? {error: scene.asked_error, metric: METRICS[scene.asked_in], in: scene.asked_in} : null);
 
 const isDrawn = (one, metric) => one.not_drawn[metric] === "";
 const shownStatus = one =>
@@ -67,21 +69,28 @@ const byError = metric => (a, b) => METRICS[metric].value(a) - METRICS[metric].v
 
 /* --- title and answer --- */
 
+const countText = (number, word) => `${number} ${word}${number === 1 ? "" : "s"}`;
+
 const writeQuestion = () => {
-  const parts = [];
-  if (results.question) parts.push(element("p", {className: "question"}, results.question));
-  const total = results.cases.length + results.findings.length;
-  const facts = [results.study && "study " + results.study, results.kind,
-                 total + (total === 1 ? " case" : " cases"),
-                 asked && `asked: ${asked.metric.name} at most ${scientific(asked.error)}`];
-  parts.push(element("p", {className: "quiet"}, facts.filter(Boolean).join(" · ")));
-  page.append(...parts);
+  const {studies} = results, alone = studies.length === 1;
+  const questions = studies.map(({question}) => question).filter(Boolean);
+  const [asked] = scenes.map(scene => scene.asked);
+  const facts = [alone ? studies[0].study && "study " + studies[0].study
+                       : `${studies.length} studies`, results.kind,
+                 scenes.length > 1 && countText(scenes.length, "scene"),
+                 countText(results.cases.length + results.findings.length, "case"),
+                 alone && asked && `asked: ${asked.metric.name} at most ${scientific(asked.error)}`];
+  page.append(...(questions.length > 1
+    ? [element("ul", {className: "question"}, questions.map(text => element("li", {}, text)))]
+    : questions.map(text => element("p", {className: "question"}, text))),
+    element("p", {className: "quiet"}, facts.filter(Boolean).join(" · ")));
 };
 
 const caseName = one => [strong(one.line.name), one.label ? ` (${one.label})` : ""];
 
 /* An error too small for the reference to tell is at most its sum with the reference's own. */
 const boundOf = (scene, one) => {
+  const {asked} = scene;
   const value = asked.metric.value(one);
   if (one.status !== "ok" || one.invalid || value === null) return Infinity;
   if (asked.in === "energy" || !one.refused) return value;
@@ -90,15 +99,17 @@ const boundOf = (scene, one) => {
   return reference && !past ? value + reference.error : Infinity;
 };
 
-const errorReached = (scene, one) =>
-  isDrawn(one, asked.in)
+const errorReached = (scene, one) => {
+  const {asked} = scene;
+  return isDrawn(one, asked.in)
     ? `${asked.metric.name} ${scientific(asked.metric.value(one))}`
     : `${asked.metric.name} at most ${scientific(boundOf(scene, one))}, less than the reference `
       + "can tell";
+};
 
 const reachedSentence = (scene, best) => {
   const next = scene.cases
-    .filter(one => one.line !== best.line && boundOf(scene, one) <= asked.error).sort(byCost)[0];
+    .filter(one => one.line !== best.line && boundOf(scene, one) <= scene.asked.error).sort(byCost)[0];
   const sentence = [
     "Cheapest: ", caseName(best), `: ${errorReached(scene, best)}, `,
     `${seconds(best.cpu_seconds)} of CPU time, `,
@@ -112,6 +123,7 @@ const reachedSentence = (scene, best) => {
 };
 
 const missedSentence = scene => {
+  const {asked} = scene;
   const closest = scene.cases.filter(one => isDrawn(one, asked.in)).sort(byError(asked.in))[0];
   if (!closest)
     return [`Nothing reached ${scientific(asked.error)}: none of the ${scene.cases.length} cases `
@@ -123,27 +135,21 @@ const missedSentence = scene => {
 const sentence = text =>
   text.charAt(0).toUpperCase() + text.slice(1) + (/[.?!]$/.test(text) ? "" : ".");
 
-/* Studies of other kinds: what each scene's answer says, in the words of the program. */
-const writeFound = () => {
-  const box = element("section", {id: "answer", className: "answer"},
-                      element("h2", {}, "The answer"));
-  for (const scene of scenes) box.append(element("p", {}, sentence(scene.answer)));
-  page.append(box);
+/* Of one scene: the cheapest case, or what the program says of findings. */
+const answerOf = scene => {
+  if (scene.findings.length || !scene.asked) return [sentence(scene.answer)];
+  const best = scene.cheapest === null ? null : results.cases[scene.cheapest];
+  return best ? reachedSentence(scene, best) : missedSentence(scene);
 };
 
+/* In two sentences: of the only scene, or of all of them; each scene's own then begins its part. */
 const writeAnswer = () => {
-  if (results.findings.length) writeFound();
-  if (!asked) return;
-  const box = element("section", {id: "answer", className: "answer"});
-  box.append(element("h2", {}, `The answer: ${asked.metric.name} ≤\u00a0${scientific(asked.error)}`));
-  for (const scene of scenes) {
-    const best = scene.cheapest === null ? null : results.cases[scene.cheapest];
-    const name = scenes.length > 1
-      ? [element("a", {href: "#" + scene.id}, scene.name), ": "] : [];
-    box.append(element("p", {}, ...name,
-                       ...(best ? reachedSentence(scene, best) : missedSentence(scene))));
-  }
-  page.append(box);
+  if (!scenes.length || !results.cases.length && !results.findings.length) return;
+  const [scene] = scenes, alone = scenes.length === 1;
+  const words = alone && scene.asked && !scene.findings.length
+    ? `The answer: ${scene.asked.metric.name} ≤\u00a0${scientific(scene.asked.error)}` : "The answer";
+  page.append(element("section", {id: "answer", className: "answer"}, element("h2", {}, words),
+                      element("p", {}, ...(alone ? answerOf(scene) : [sentence(results.answer)]))));
 };
 
 /* --- error against cost --- */
@@ -246,7 +252,7 @@ const metricChoice = (scene, start, change) => {
 };
 
 const firstMetric = scene => {
-  const wanted = asked ? asked.in : "position";
+  const wanted = scene.asked ? scene.asked.in : "position";
   const has = metric => scene.cases.some(one => isDrawn(one, metric));
   return has(wanted) ? wanted : Object.keys(METRICS).find(has) || wanted;
 };
@@ -311,7 +317,7 @@ const accuracyTable = (scene, metric) => {
 
 /* What a cost chart is marked with. */
 const marksOf = (scene, metric) => ({
-  asked: asked && asked.in === metric ? asked.error : null,
+  asked: scene.asked && scene.asked.in === metric ? scene.asked.error : null,
   floor: floorOf(scene, metric),
   front: frontOf(scene, metric, "force"),
 });
@@ -346,10 +352,18 @@ const writeCostCharts = (scene, section) => {
 
 /* --- error over time --- */
 
-const hasSamples = (one, metric) => one.samples[metric].some(value => value > 0 || value < 0);
+/* A case has no series of what its scene does not conserve. */
+const samplesOf = (one, metric) => one.samples[metric] || [];
+const hasSamples = (one, metric) => samplesOf(one, metric).some(value => value > 0 || value < 0);
+
+/* Positions and energy always; momenta where a case has an error of them, be it 0. */
+const timedMetrics = scene => Object.keys(METRICS).filter(metric => METRICS[metric].time
+  && (metric === "position" || metric === "energy"
+      || scene.cases.some(one => samplesOf(one, metric).some(value => value !== null))));
 
 /* The cheapest case that reaches the asked error, else the most accurate one. */
 const chosenCase = (scene, members, metric) => {
+  const {asked} = scene;
   const key = asked ? asked.in : metric;
   const reached = asked ? members.filter(one => boundOf(scene, one) <= asked.error) : [];
   const drawn = members.filter(one => isDrawn(one, key));
@@ -358,7 +372,8 @@ const chosenCase = (scene, members, metric) => {
 
 const timeLine = (one, metric, name, look) => ({
   name, look,
-  points: one.samples.time.map((x, i) => ({x, y: Math.abs(one.samples[metric][i]), one}))
+  points: samplesOf(one, metric)
+    .map((value, i) => ({x: one.samples.time[i], y: Math.abs(value), one}))
     .filter(point => point.y > 0),
 });
 
@@ -428,7 +443,7 @@ const strideNote = scene => {
 };
 
 const timeNote = scene =>
-  (asked ? "One case a method: the cheapest that reaches the asked error, or else the most"
+  (scene.asked ? "One case a method: the cheapest that reaches the asked error, or else the most"
            + " accurate. " : "One case a method: the most accurate. ")
   + "Samples whose error is exactly 0 have no place on a logarithmic axis." + strideNote(scene);
 
@@ -465,8 +480,7 @@ const writeTimeChart = (scene, section) => {
 
 const timeControls = (scene, set) => {
   const metric = element("select", {}, optionList(
-    Object.entries(METRICS).filter(([, {time}]) => time).map(([key, {name}]) => [key, name]),
-    "energy"));
+    timedMetrics(scene).map(key => [key, METRICS[key].name]), "energy"));
   metric.addEventListener("change", set("metric"));
   const modes = [["one", "one case a method"]].concat(
     scene.lines.map(line => [line.name, "every case of " + line.name]));
@@ -574,8 +588,8 @@ const writeTable = (scene, section) => {
   };
   const head = element("thead", {}, element("tr", {}, columns.map(column =>
     headCell(column, sort))));
-  section.append(
-    element("h3", {}, `Every case (${scene.cases.length})`),
+  section.append(longTable(
+    `Every case (${scene.cases.length})`, scene.cases.length,
     element("div", {className: "scroll"}, element("table", {className: "cases"}, head, body)),
     tableSaver(`${scene.name} cases`, () => [
       columns.map(column => column.title + (column.unit ? ` [${column.unit}]` : "")),
@@ -583,7 +597,7 @@ const writeTable = (scene, section) => {
         (column.key ? one[column.key] : (column.full || column.value)(one))))]),
     element("p", {className: "quiet"}, repeatsNote(scene), " Errors and momenta “of scale” are "
       + "divided by the scene's energy or momentum scale. Click a heading to sort; a figure's full "
-      + "digits and a case's options show where the pointer rests."));
+      + "digits and a case's options show where the pointer rests.")));
 };
 
 const repeatsNote = scene => {
@@ -630,24 +644,36 @@ const writeSceneText = (scene, section) => {
   if (scene.text) section.append(folded("The scene file", pre(scene.text)));
 };
 
+const factRow = (name, value) =>
+  element("tr", {}, element("th", {scope: "row"}, name), element("td", {}, value));
+
+/* A fact that is the same of all studies stands once. */
 const writeProvenance = () => {
   const section = element("section", {}, element("h2", {}, "What made this"));
-  const rows = results.facts.map(fact => element("tr", {},
-    element("th", {scope: "row"}, fact.name), element("td", {}, fact.value)));
+  const {studies} = results, valueIn = (study, name) =>
+    (study.facts.find(fact => fact.name === name) || {value: "–"}).value;
+  const names = [...new Set(studies.flatMap(({facts}) => facts.map(({name}) => name)))];
+  const rows = names.flatMap(name => {
+    const values = studies.map(study => valueIn(study, name));
+    return new Set(values).size === 1 ? [factRow(name, values[0])]
+      : values.map((value, i) => factRow(`${name}, ${studies[i].study}`, value));
+  });
   section.append(element("table", {className: "plain facts"}, element("tbody", {}, rows)));
   page.append(section);
 };
 
 const writeCommands = () => {
   const section = element("section", {}, element("h2", {}, "Repeat it"));
-  const study = results.facts.find(fact => fact.name === "command");
-  if (study) section.append(element("p", {}, "The study:"), pre(study.value));
+  const commands = results.studies.flatMap(({facts}) =>
+    facts.filter(({name}) => name === "command").map(({value}) => value));
+  if (commands.length)
+    section.append(element("p", {}, commands.length > 1 ? "The studies:" : "The study:"),
+                   pre(commands.join("\n")));
   for (const scene of scenes) {
-    const commands = [...scene.cases, ...scene.findings].map(one => one.command).filter(Boolean);
+    const lines = [...scene.cases, ...scene.findings].map(one => one.command).filter(Boolean);
     const where = scenes.length > 1 ? ` on ${scene.name}` : "";
-    if (commands.length)
-      section.append(folded(`Each case${where}: ${commands.length} commands`,
-                            pre(commands.join("\n"))));
+    if (lines.length)
+      section.append(folded(`Each case${where}: ${lines.length} commands`, pre(lines.join("\n"))));
   }
   page.append(section);
 };
@@ -656,6 +682,8 @@ const writeScene = scene => {
   const section = element("section", {id: scene.id, className: "scene"},
                           element("h2", {}, "Scene " + scene.name));
   page.append(section);
+  if (scenes.length > 1 && (scene.findings.length || scene.cases.length))
+    section.append(element("p", {className: "of-scene"}, ...answerOf(scene)));
   if (scene.findings.length) {
     writeFindings.ofScene(scene, section);
   } else if (!scene.cases.length) {
@@ -673,18 +701,21 @@ const writeScene = scene => {
   writeSceneText(scene, section);
 };
 
-const lines = findLines(results.cases).concat(findLines(results.findings));
+const lines = new Map();
 const scenes = results.scenes.map((scene, index) => {
   const cases = results.cases.filter(one => one.scene === scene.name);
   const findings = results.findings.filter(one => one.scene === scene.name);
+  findLines(cases, lines);
+  findLines(findings, lines);
   const present = new Set([...cases, ...findings].map(one => one.line));
-  return {...scene, id: "scene-" + (index + 1), cases, findings,
-          lines: lines.filter(line => present.has(line))};
+  return {...scene, asked: askedOf(scene), id: "scene-" + (index + 1), cases, findings,
+          lines: [...lines.values()].filter(line => present.has(line))};
 });
 
 writeQuestion();
 writeAnswer();
 if (results.findings.length) writeFindings.overview(results.findings);
+if (results.across) writeAcross(scenes);
 scenes.forEach(writeScene);
 writePlayers(page);
 writeProvenance();

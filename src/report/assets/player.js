@@ -346,7 +346,17 @@ const writePlayers = (() => {
 
   const mark = (image, ...text) => element("span", {className: "mark"}, image, ...text);
 
-  const circlePicture = (radius, fill, look) => picture(context => {
+  /* As the film draws; draw(context) has 34 x 14 to itself. */
+  const painted = draw => {
+    const scale = 2; /* legible when printed */
+    const canvas = element("canvas", {width: 34 * scale, height: 14 * scale, className: "swatch"});
+    const context = canvas.getContext("2d");
+    context.scale(scale, scale);
+    draw(context);
+    return canvas;
+  };
+
+  const circlePicture = (radius, fill, look) => painted(context => {
     if (look && look.corners) {
       context.beginPath();
       polygon(context, 17, look.corners === 3 ? 9 : 7, 4.2, look);
@@ -376,7 +386,7 @@ const writePlayers = (() => {
     });
   };
 
-  const speedMark = film => mark(picture(context => {
+  const speedMark = film => mark(painted(context => {
     film.colours.forEach((colour, k) => {
       context.fillStyle = hex(colour);
       context.fillRect(34 * k / film.colours.length, 1, 1, 12);
