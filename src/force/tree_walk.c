@@ -3,13 +3,14 @@
 #include <math.h>
 
 /* How much more than the error of a particle's force the bound on that of its worst pair is: cells
- * are not full of particles in their corners, and errors of many cells partly cancel. The less so
- * the slower the force falls and the fewer orders there are. Measured over uniform, clustered and
- * lined-up particles in two and three dimensions, with half of what was found
+ * are not full of particles in their corners, and errors of many cells partly cancel; less so the
+ * slower the force falls and the lower the orders are. An estimate: measured over uniform
+ * particles, columns, pairs of clusters and one whose middle is the corner of four cells, in two
+ * and three dimensions, errors are at most three quarters of what is stated with it
  * (tests/test_tree.c). */
 static double bound_over_error(double power, double error) {
     const double steep = fmin(fmax(power - 1, 0), 1);
-    return 60 * pow(1000.0 / 60, steep) * fmin(1, sqrt(1e-4 / error));
+    return 20 * pow(5, steep) * fmin(1, sqrt(1e-4 / error));
 }
 
 /* Fewer pairs of particles than this are summed faster than two cells' expansions. */
@@ -17,7 +18,7 @@ enum { FEW_PAIRS = 256 };
 
 int dl_opening_order(int dimension, double error) {
     const double digits = fmax(0, -log10(error));
-    const int order = (dimension == 2 ? 8 : 4) + (int)digits;
+    const int order = (dimension == 2 ? 8 : 6) + (int)digits;
     const int highest = dimension == 2 ? dl_expansion_orders : dl_expansion_orders_solid;
     return order < highest ? order : highest;
 }
