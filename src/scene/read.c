@@ -301,10 +301,10 @@ static dl_status check_kernel(const dl_yaml *yaml, const dl_yaml_node *root, con
     if (dl_yaml_get(root, "tree_error") && !may_be_tree)
         return dl_yaml_fail(yaml, dl_yaml_get(root, "tree_error"), "tree_error",
                             "none: the kernel is not a tree", error);
-    if (scene->kernel == DL_KERNEL_TREE && reach > 0)
-        return DL_OK;
-    if ((scene->kernel != DL_KERNEL_NEIGHBOUR_LIST && scene->kernel != DL_KERNEL_TREE) ||
-        (reach > 0 && isfinite(reach)))
+    const bool needs_law =
+        scene->kernel == DL_KERNEL_NEIGHBOUR_LIST || scene->kernel == DL_KERNEL_TREE;
+    const bool needs_end = scene->kernel == DL_KERNEL_NEIGHBOUR_LIST;
+    if (!needs_law || (reach > 0 && (isfinite(reach) || !needs_end)))
         return DL_OK;
     return dl_yaml_fail(yaml, dl_yaml_get(root, "kernel"), "kernel",
                         reach > 0 ? "another one: the pair_law never ends"

@@ -147,9 +147,12 @@ static void load_moments(const dl_expansion *form, const dl_far_batch *batch, co
             const double ratio = side ? pairs->ratio[1][k] : -pairs->ratio[0][k];
             double *const to = (double *)pairs->moment[side] + k;
             double factor = 1;
-            for (int degree = 0, n = 0; degree <= batch->order; degree++, factor *= ratio)
-                for (; n < form->terms_to[degree]; n++)
+            size_t n = 0;
+            for (int degree = 0; degree <= batch->order; degree++) {
+                for (; n < (size_t)form->terms_to[degree]; n++)
                     to[n * DL_LANES] = factor * from[n];
+                factor *= ratio;
+            }
         }
 }
 
@@ -162,9 +165,12 @@ static void add_local(const dl_expansion *form, const dl_far_batch *batch, const
             const double ratio = side ? pairs->ratio[1][k] : -pairs->ratio[0][k];
             const double *const from = (const double *)pairs->local[side] + k;
             double factor = 1;
-            for (int degree = 0, n = 0; degree <= batch->order; degree++, factor *= ratio)
-                for (; n < form->terms_to[degree]; n++)
+            size_t n = 0;
+            for (int degree = 0; degree <= batch->order; degree++) {
+                for (; n < (size_t)form->terms_to[degree]; n++)
                     to[n] += factor * from[n * DL_LANES];
+                factor *= ratio;
+            }
         }
 }
 
