@@ -173,6 +173,9 @@ typedef struct dl_force_error {
     size_t sampled;
 } dl_force_error;
 
+/* Whether the kernel states an error: a tree does. */
+bool dl_model_has_force_error(const dl_model *model);
+
 /* At q. Costs a force and the pairs of the sample; not counted. */
 dl_status dl_model_force_error(dl_model *model, const double *q, dl_force_error *result,
                                dl_error *error);

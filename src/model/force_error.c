@@ -34,10 +34,14 @@ static double error_of(const dl_model *model, const double *x, const double *f, 
     return sum.moduli > 0 ? (double)(sqrtl(square) / sum.moduli) : 0;
 }
 
+bool dl_model_has_force_error(const dl_model *model) {
+    return model->kernel && model->kernel->stated_error > 0;
+}
+
 dl_status dl_model_force_error(dl_model *model, const double *q, dl_force_error *result,
                                dl_error *error) {
     *result = (dl_force_error){.stated = NAN, .largest = NAN, .mean = NAN};
-    if (!model->kernel || model->kernel->stated_error == 0 || model->moving == 0)
+    if (!dl_model_has_force_error(model) || model->moving == 0)
         return DL_OK;
     const size_t block = (size_t)model->dimension * model->particles;
     double *const f = malloc(block * sizeof *f);

@@ -238,13 +238,16 @@ static dl_status take_sample(run *r, double time, dl_error *error) {
                                  : DL_OK;
 }
 
-/* At the method's state; the larger of what it was before and now. */
+/* At the method's state; the larger of what it was before and now. Observation: not counted. */
 static dl_status measure_force_error(run *r, dl_error *error) {
     dl_force_error now;
-    dl_status status = r->observer ? dl_method_state(r->method, r->y, error) : DL_OK;
-    if (status || !r->observer)
-        return status;
-    status = dl_model_force_error(r->model, r->y, &now, error);
+    if (!r->observer || !dl_model_has_force_error(r->model))
+        return DL_OK;
+    const dl_counts counts = r->model->counts;
+    dl_status status = dl_method_state(r->method, r->y, error);
+    if (!status)
+        status = dl_model_force_error(r->model, r->y, &now, error);
+    r->model->counts = counts;
     if (status)
         return status;
     r->summary->force_error_stated = now.stated;
