@@ -109,6 +109,8 @@ static const refusal refusals[] = {
     {"syntax", {"syntax.yaml:3:", "valid YAML"}},
     {"too-many-cells", {"too-many-cells.csv:2:", "5 values", "expected 4"}},
     {"trailing-text", {"trailing-text.yaml:10:", "step", "\"0.01s\"", "> 0"}},
+    {"tree-error-unused", {"tree-error-unused.yaml:12:", "tree_error", "not a tree"}},
+    {"tree-without-law", {"tree-without-law.yaml:9:", "kernel", "tree", "no pair_law"}},
     {"two-documents", {"two-documents.yaml:12:", "second document"}},
     {"until-after-none", {"until-after-none.yaml:8:", "pair_law", "does not end"}},
     {"until-descends", {"until-descends.yaml:8:", "until", "\"1.5\"", "more than 2"}},

@@ -125,7 +125,8 @@ dl_status dl_model_jacobian(dl_model *model, const double *q, double *values, dl
 dl_status dl_model_jacobian_vector(dl_model *model, const double *q, const double *u, double *out,
                                    dl_error *error);
 
-/* Which mean the discrete functions below stand for; DL_MEAN_QUOTIENT before. */
+/* Which mean the discrete functions below stand for; DL_MEAN_QUOTIENT before. DL_INPUT for a mean
+ * whose work is the change of potential where a tree sums the forces. */
 dl_status dl_model_set_mean(dl_model *model, dl_mean mean, dl_error *error);
 
 /* Mean acceleration over the step from q to q + delta. Its work  sum inertia_i a_i . delta_i  is
@@ -164,11 +165,27 @@ void dl_model_crossings_settle(dl_model *model, const double *delta, double *ima
 /* Neighbour lists built so far, by observation too; 0 where the kernel has none. */
 unsigned long dl_model_list_builds(const dl_model *model);
 
+/* How far a kernel's forces lie from direct sums over all pairs that act, in parts of the sum of
+ * the moduli of a particle's pair forces: largest and mean over a sample spread evenly over the
+ * particles that move. NaN where the kernel sums all pairs, exactly but for roundoff. */
+typedef struct dl_force_error {
+    double stated, largest, mean;
+    size_t sampled;
+} dl_force_error;
+
+/* Whether the kernel states an error: a tree does. */
+bool dl_model_has_force_error(const dl_model *model);
+
+/* At q. Costs a force and the pairs of the sample; not counted. */
+dl_status dl_model_force_error(dl_model *model, const double *q, dl_force_error *result,
+                               dl_error *error);
+
 /* Observation: not counted as work of a method. */
 dl_status dl_model_energy(dl_model *model, const double *y, dl_energy *energy, dl_error *error);
 
 /* Energies at y1 minus those at y0, without the cancellation of the totals: of what differs alone.
- * Costs a discrete force where positions differ, and nothing of pairs where velocities alone do. */
+ * Costs a discrete force where positions differ, and nothing of pairs where velocities alone do. A
+ * tree's potentials are subtracted, with its error. */
 dl_status dl_model_energy_change(dl_model *model, const double *y0, const double *y1,
                                  dl_energy *change, dl_error *error);
 /* The total energy's derivative, (-inertia a(q), inertia v) [2 * unknowns]. Counted as a force. */

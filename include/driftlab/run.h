@@ -60,6 +60,9 @@ typedef struct dl_run_summary {
     double momentum_error_max, angular_momentum_error_max;
     double momentum_scale, angular_momentum_scale; /* sum of the moduli of the terms at the start */
     double kinetic_energy_per_particle;            /* at the end */
+    /* of a kernel that is not exact, driftlab/model.h: the larger of those at the start and at the
+     * end; NaN where it is exact or nothing is observed */
+    double force_error_stated, force_error_max, force_error_mean;
     size_t samples;
 } dl_run_summary;
 

@@ -96,7 +96,11 @@ typedef enum dl_kernel_choice {
     DL_KERNEL_REFERENCE,
     DL_KERNEL_ALL_PAIRS,
     DL_KERNEL_NEIGHBOUR_LIST,
+    DL_KERNEL_TREE,
 } dl_kernel_choice;
+
+/* Error of the tree's forces where the scene states none (model.h, dl_force_error). */
+#define DL_TREE_ERROR 1e-6
 
 /* Arrays that a model is to have although every number in them is neutral, and powers that it is to
  * take as real ones: what leaving them out saves is measured so (driftlab/leave_outs.h). */
@@ -142,8 +146,9 @@ typedef struct dl_scene {
     double sample;                          /* time between samples; 0: chosen by the run */
     int end_line, sample_line, period_line; /* of `file`: of `end`, `sample`, radiation's period */
     dl_kernel_choice kernel;
-    double skin;   /* of the neighbour list, a length; 0: chosen */
-    unsigned keep; /* DL_KEEP_*; no file says it, 0 */
+    double skin;       /* of the neighbour list, a length; 0: chosen */
+    double tree_error; /* of the tree's forces; 0: DL_TREE_ERROR */
+    unsigned keep;     /* DL_KEEP_*; no file says it, 0 */
 } dl_scene;
 
 /* Reads and validates a scene. Paths in it are relative to the scene's own folder. On failure

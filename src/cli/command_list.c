@@ -81,7 +81,7 @@ static void print_named(const named *list, size_t count, FILE *out) {
 
 static size_t kernels(named *list) {
     static const dl_kernel_ops *const ops[] = {&dl_kernel_reference, &dl_kernel_all_pairs,
-                                               &dl_kernel_neighbour_list};
+                                               &dl_kernel_neighbour_list, &dl_kernel_tree};
     const size_t count = sizeof ops / sizeof *ops;
     for (size_t i = 0; i < count; i++)
         list[i] = (named){ops[i]->name, ops[i]->doc};

@@ -47,6 +47,9 @@ static const field fields[] = {
     FIELD(REAL, momentum_scale, NULL),
     FIELD(REAL, angular_momentum_scale, NULL),
     FIELD(REAL, kinetic_energy_per_particle, "kinetic energy/particle"),
+    FIELD(REAL, force_error_stated, "force error, stated"),
+    FIELD(REAL, force_error_max, "force error, largest"),
+    FIELD(REAL, force_error_mean, "force error, mean"),
     FIELD(SIZE, samples, NULL),
 };
 

@@ -20,6 +20,7 @@ typedef struct dl_pair_problem {
     double reach;           /* longest cutoff; INFINITY where a law never ends */
     const dl_box *box;      /* NULL: nothing is periodic */
     double skin;            /* 0: chosen */
+    double tree_error;      /* of a tree's forces */
 } dl_pair_problem;
 
 /* Index of the law between two particles. */
@@ -40,6 +41,9 @@ typedef struct dl_kernel_ops {
     dl_status (*create)(dl_kernel *kernel, dl_error *error);
     /* f = pair forces at x; blocks x|y|[z] of dimension * particles doubles, f overwritten. */
     dl_status (*force)(dl_kernel *kernel, const double *x, double *f, dl_error *error);
+    /* Potential energy of all pairs, and the sum of its moduli; NULL: by walking over the pairs. */
+    dl_status (*potential)(dl_kernel *kernel, const double *x, long double *sum,
+                           long double *moduli, dl_error *error);
     /* f = pairs' discrete forces over the step from x to x + delta. */
     dl_status (*discrete)(dl_kernel *kernel, const double *x, const double *delta, double *f,
                           dl_error *error);
@@ -60,7 +64,9 @@ struct dl_kernel {
     const dl_vector_ops *vector;
     const dl_law_loops **loops; /* [species * species] */
     const char *reason;         /* why it was chosen */
+    double stated_error; /* of its forces, driftlab/model.h; 0: it sums all pairs that act */
     unsigned long list_builds;
+    unsigned long near_pairs, far_pairs; /* of a tree: pairs of particles and of cells so far */
     void *data;
 };
 
@@ -68,10 +74,12 @@ struct dl_kernel {
 dl_status dl_kernel_rows_of_all(dl_kernel *kernel, const double *x, const double *delta,
                                 dl_pair_rows *rows, dl_error *error);
 
-extern const dl_kernel_ops dl_kernel_reference, dl_kernel_all_pairs, dl_kernel_neighbour_list;
+extern const dl_kernel_ops dl_kernel_reference, dl_kernel_all_pairs, dl_kernel_neighbour_list,
+    dl_kernel_tree;
 
 /* Chooses by the scene: what it asks for, or else a list where the law ends and the particles are
- * many, all pairs otherwise. DL_INPUT for a list without a cutoff. */
+ * many, a tree where it does not and they are very many, all pairs otherwise. DL_INPUT for a list
+ * without a cutoff, and for a tree where there are periods or located crossings. */
 dl_status dl_kernel_create(const dl_pair_problem *problem, dl_kernel_choice choice,
                            dl_kernel **kernel, dl_error *error);
 void dl_kernel_destroy(dl_kernel *kernel);

@@ -50,6 +50,8 @@ typedef struct dl_neighbours {
     const int *start, *neighbour;
 } dl_neighbours;
 
+struct dl_expansion_ops;
+
 typedef struct dl_vector_ops {
     const char *name; /* "plain", "avx2", "avx512" */
     const dl_law_loops *(*loops_for)(const dl_law *law);
@@ -64,6 +66,7 @@ typedef struct dl_vector_ops {
      * not finite. f and a may be the same array. */
     bool (*finish)(const double *f, const double *scale, double g, const double *mask, double *a,
                    size_t count);
+    const struct dl_expansion_ops *expansions; /* force/expansion.h */
 } dl_vector_ops;
 
 /* Doubles of scratch that the row loops need. */

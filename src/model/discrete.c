@@ -237,6 +237,11 @@ dl_status dl_model_set_mean(dl_model *model, dl_mean mean, dl_error *error) {
         [DL_MEAN_AVERAGE] = accelerate_average,
         [DL_MEAN_MIDPOINT] = accelerate_midpoint,
     };
+    if (mean != DL_MEAN_MIDPOINT && model->kernel && model->kernel->stated_error > 0)
+        return dl_fail(error, DL_INPUT,
+                       "%s: found kernel tree, expected kernel: all-pairs in the scene: a discrete "
+                       "force that conserves energy is a sum over pairs",
+                       model->scene->file);
     if (mean == DL_MEAN_AVERAGE && model->locates_crossings)
         return dl_fail(error, DL_INPUT,
                        "%s: found a pair law whose crossings are located, expected none: the "

@@ -15,6 +15,14 @@ static void add_pair(const dl_model *model, const dl_pair *pair, void *context) 
     sums->moduli += fabs(v);
 }
 
+static dl_status pair_potential(dl_model *model, const double *y, pair_sum *sums, dl_error *error) {
+    const double *const x = dl_model_places(model, y);
+    *sums = (pair_sum){0, 0};
+    if (model->kernel && model->kernel->ops->potential)
+        return model->kernel->ops->potential(model->kernel, x, &sums->sum, &sums->moduli, error);
+    return dl_model_visit_pairs(model, x, NULL, add_pair, sums, error);
+}
+
 static pair_sum gravity_potential(const dl_model *model, const double *y) {
     pair_sum sums = {0, 0};
     for (size_t k = 0; model->has_gravity && k < model->moving; k++) {
@@ -42,9 +50,8 @@ static double kinetic(const dl_model *model, const double *y, const double drift
 
 dl_status dl_model_energy(dl_model *model, const double *y, dl_energy *energy, dl_error *error) {
     static const double at_rest[3] = {0, 0, 0};
-    pair_sum pairs = {0, 0}, gravity = gravity_potential(model, y);
-    dl_status status =
-        dl_model_visit_pairs(model, dl_model_places(model, y), NULL, add_pair, &pairs, error);
+    pair_sum pairs, gravity = gravity_potential(model, y);
+    dl_status status = pair_potential(model, y, &pairs, error);
     if (status != DL_OK)
         return status;
     energy->kinetic = kinetic(model, y, at_rest);
@@ -77,9 +84,8 @@ static void frame_velocity(const dl_model *model, const double *y, double drift[
 
 dl_status dl_model_energy_scale(dl_model *model, const double *y, double *scale, dl_error *error) {
     double drift[3];
-    pair_sum pairs = {0, 0}, gravity = gravity_potential(model, y);
-    dl_status status =
-        dl_model_visit_pairs(model, dl_model_places(model, y), NULL, add_pair, &pairs, error);
+    pair_sum pairs, gravity = gravity_potential(model, y);
+    dl_status status = pair_potential(model, y, &pairs, error);
     if (status != DL_OK)
         return status;
     frame_velocity(model, y, drift);

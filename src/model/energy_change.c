@@ -47,6 +47,20 @@ static double gravity_change(const dl_model *model, const double *jump) {
     return (double)sum;
 }
 
+/* By a kernel that has potentials and no discrete force: what is then measured as energy. */
+static dl_status potential_change(dl_model *model, const double *q0, const double *q1,
+                                  double *change, dl_error *error) {
+    const dl_kernel_ops *const ops = model->kernel->ops;
+    long double before = 0, after = 0, moduli;
+    dl_status status =
+        ops->potential(model->kernel, dl_model_places(model, q0), &before, &moduli, error);
+    status =
+        status ? status
+               : ops->potential(model->kernel, dl_model_places(model, q1), &after, &moduli, error);
+    *change = (double)(after - before);
+    return status;
+}
+
 /* Minus the work of the discrete force, by the kernel's own loops: V(s1) - V(s0) of every pair
  * without the cancellation of potentials. What has not moved does no work. */
 static dl_status pair_change(dl_model *model, const double *q0, const double *jump, double *change,
@@ -73,7 +87,9 @@ dl_status dl_model_energy_change(dl_model *model, const double *y0, const double
     double *const jump = model->priv->jump;
     *change = (dl_energy){.kinetic = kinetic_change(model, y0 + n, y1 + n)};
     if (find_jump(model, y0, y1, jump)) {
-        if (model->kernel)
+        if (model->kernel && model->kernel->ops->potential)
+            status = potential_change(model, y0, y1, &change->pair, error);
+        else if (model->kernel)
             status = pair_change(model, y0, jump, &change->pair, error);
         change->gravity = gravity_change(model, jump);
     }

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include "driftlab/parameter.h"
 #include "model/private.h"
@@ -145,18 +146,50 @@ static void explain_kernel(const dl_model *model, FILE *out) {
     line(out, "pair loop", text);
 }
 
+/* What a kernel that is not exact states, and what it does at the initial state. */
+static void explain_force_error(dl_model *model, FILE *out) {
+    dl_kernel *const kernel = model->kernel;
+    if (!kernel || kernel->stated_error == 0)
+        return;
+    dl_force_error measured;
+    dl_error error = {""};
+    char text[DL_MESSAGE_SIZE + 40];
+    double *const y = malloc((2 * model->unknowns + 1) * sizeof *y);
+    if (!y)
+        return;
+    dl_model_initial_state(model, y);
+    kernel->near_pairs = kernel->far_pairs = 0;
+    if (dl_model_force_error(model, y, &measured, &error)) {
+        snprintf(text, sizeof text, "stated: %g; not measured: %s", kernel->stated_error,
+                 error.message);
+        line(out, "error", text);
+    } else {
+        snprintf(text, sizeof text,
+                 "of a force, in parts of the moduli of its pairs: stated %g; measured %.1e at "
+                 "most, %.1e in the mean of %zu",
+                 measured.stated, measured.largest, measured.mean, measured.sampled);
+        line(out, "error", text);
+        snprintf(text, sizeof text, "%.4g pairs of particles and %.3g of cells for each particle",
+                 (double)kernel->near_pairs / (double)model->particles,
+                 (double)kernel->far_pairs / (double)model->particles);
+        line(out, "", text);
+    }
+    free(y);
+}
+
 static void explain_crossings(const dl_model *model, FILE *out) {
     if (model->locates_crossings)
         line(out, "crossings",
              "located: a step ends where a pair passes a breakpoint, the method starts anew");
 }
 
-static void explain_pairs(const dl_model *model, FILE *out) {
+static void explain_pairs(dl_model *model, FILE *out) {
     if (model->scene->species > 0)
         explain_species(model, out);
     else
         explain_law(model->priv->law, "pair law", out);
     explain_kernel(model, out);
+    explain_force_error(model, out);
 }
 
 /* What is in one part of the force. */

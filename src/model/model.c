@@ -148,6 +148,7 @@ static dl_status fill_kernel(dl_model *model, dl_error *error) {
     problem->moving = model->moving;
     problem->coupling = priv->coupling;
     problem->skin = model->scene->skin;
+    problem->tree_error = model->scene->tree_error;
     fill_box(model);
     return dl_kernel_create(problem, model->scene->kernel, &model->kernel, error);
 }

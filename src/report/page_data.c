@@ -139,6 +139,8 @@ static void put_errors(builder *build, json_t *object, const dl_case *cased) {
         {"energy_error", relative(summary->energy_error_max, summary->energy_scale)},
         {"energy_error_final", relative(summary->energy_error_final, summary->energy_scale)},
         {"energy_scale", summary->energy_scale},
+        {"force_error_stated", summary->force_error_stated},
+        {"force_error", summary->force_error_max},
         {"momentum_error", relative(summary->momentum_error_max, summary->momentum_scale)},
         {"angular_momentum_error",
          relative(summary->angular_momentum_error_max, summary->angular_momentum_scale)},

@@ -289,6 +289,7 @@ static dl_status read_header(const dl_yaml *yaml, const dl_yaml_node *root, dl_s
     scene->dimension = (int)header.dimension;
     scene->kernel = (dl_kernel_choice)header.kernel;
     scene->skin = header.skin;
+    scene->tree_error = header.tree_error;
     *seed = (uint64_t)header.seed;
     return status;
 }
@@ -296,7 +297,14 @@ static dl_status read_header(const dl_yaml *yaml, const dl_yaml_node *root, dl_s
 static dl_status check_kernel(const dl_yaml *yaml, const dl_yaml_node *root, const dl_scene *scene,
                               dl_error *error) {
     const double reach = dl_scene_reach(scene);
-    if (scene->kernel != DL_KERNEL_NEIGHBOUR_LIST || (reach > 0 && isfinite(reach)))
+    const bool may_be_tree = scene->kernel == DL_KERNEL_TREE || scene->kernel == DL_KERNEL_AUTO;
+    if (dl_yaml_get(root, "tree_error") && !may_be_tree)
+        return dl_yaml_fail(yaml, dl_yaml_get(root, "tree_error"), "tree_error",
+                            "none: the kernel is not a tree", error);
+    const bool needs_law =
+        scene->kernel == DL_KERNEL_NEIGHBOUR_LIST || scene->kernel == DL_KERNEL_TREE;
+    const bool needs_end = scene->kernel == DL_KERNEL_NEIGHBOUR_LIST;
+    if (!needs_law || (reach > 0 && (isfinite(reach) || !needs_end)))
         return DL_OK;
     return dl_yaml_fail(yaml, dl_yaml_get(root, "kernel"), "kernel",
                         reach > 0 ? "another one: the pair_law never ends"

@@ -8,11 +8,9 @@
     { (rows), sizeof(rows) / sizeof *(rows) }
 
 static const char *const kernel_words[] = {
-    [DL_KERNEL_AUTO] = "auto",
-    [DL_KERNEL_REFERENCE] = "reference",
-    [DL_KERNEL_ALL_PAIRS] = "all-pairs",
-    [DL_KERNEL_NEIGHBOUR_LIST] = "neighbour-list",
-    NULL,
+    [DL_KERNEL_AUTO] = "auto",           [DL_KERNEL_REFERENCE] = "reference",
+    [DL_KERNEL_ALL_PAIRS] = "all-pairs", [DL_KERNEL_NEIGHBOUR_LIST] = "neighbour-list",
+    [DL_KERNEL_TREE] = "tree",           NULL,
 };
 
 static const char *const piece_end_words[] = {
@@ -68,6 +66,15 @@ static const dl_parameter scene_rows[] = {
      .maximum = INFINITY,
      .fallback = "0",
      .doc = "margin of the neighbour list beyond the reach of the law; 0: chosen"},
+    {.name = "tree_error",
+     .kind = DL_REAL,
+     .offset = offsetof(dl_scene_header, tree_error),
+     .unit = "",
+     .minimum = 1e-12,
+     .maximum = 0.1,
+     .fallback = "1e-6",
+     .doc = "stated error of the tree's forces, in parts of the sum of the moduli of a particle's "
+            "pair forces"},
     {.name = "seed",
      .kind = DL_INTEGER,
      .offset = offsetof(dl_scene_header, seed),

@@ -13,7 +13,7 @@ typedef struct dl_scene_header {
     char *name, *source;
     long dimension;
     int kernel;
-    double skin;
+    double skin, tree_error;
     long seed;
 } dl_scene_header;
 

@@ -43,7 +43,8 @@ static dl_kernel_choice choice_of(const dl_model *model) {
         dl_kernel_choice choice;
     } kernels[] = {{&dl_kernel_reference, DL_KERNEL_REFERENCE},
                    {&dl_kernel_all_pairs, DL_KERNEL_ALL_PAIRS},
-                   {&dl_kernel_neighbour_list, DL_KERNEL_NEIGHBOUR_LIST}};
+                   {&dl_kernel_neighbour_list, DL_KERNEL_NEIGHBOUR_LIST},
+                   {&dl_kernel_tree, DL_KERNEL_TREE}};
     for (size_t k = 0; model->kernel && k < sizeof kernels / sizeof *kernels; k++)
         if (kernels[k].ops == model->kernel->ops)
             return kernels[k].choice;

@@ -62,7 +62,10 @@ void dl_run_summary_clear(dl_run_summary *summary) {
                                 .angular_momentum_error_max = NAN,
                                 .momentum_scale = NAN,
                                 .angular_momentum_scale = NAN,
-                                .kinetic_energy_per_particle = NAN};
+                                .kinetic_energy_per_particle = NAN,
+                                .force_error_stated = NAN,
+                                .force_error_max = NAN,
+                                .force_error_mean = NAN};
 }
 
 static void summary_fail(dl_run_summary *summary, dl_status status, const dl_error *error) {
@@ -235,10 +238,30 @@ static dl_status take_sample(run *r, double time, dl_error *error) {
                                  : DL_OK;
 }
 
+/* At the method's state; the larger of what it was before and now. Observation: not counted. */
+static dl_status measure_force_error(run *r, dl_error *error) {
+    dl_force_error now;
+    if (!r->observer || !dl_model_has_force_error(r->model))
+        return DL_OK;
+    const dl_counts counts = r->model->counts;
+    dl_status status = dl_method_state(r->method, r->y, error);
+    if (!status)
+        status = dl_model_force_error(r->model, r->y, &now, error);
+    r->model->counts = counts;
+    if (status)
+        return status;
+    r->summary->force_error_stated = now.stated;
+    r->summary->force_error_max = fmax(r->summary->force_error_max, now.largest);
+    r->summary->force_error_mean = fmax(r->summary->force_error_mean, now.mean);
+    return DL_OK;
+}
+
 static dl_status begin_observing(run *r, dl_error *error) {
     if (!r->observer)
         return DL_OK;
-    const dl_status status = dl_observer_begin(r->observer, r->method, r->summary, error);
+    dl_status status = dl_observer_begin(r->observer, r->method, r->summary, error);
+    if (!status)
+        status = measure_force_error(r, error);
     if (status)
         return status;
     r->summary->energy_initial = dl_observer_initial_energy(r->observer);
@@ -297,7 +320,7 @@ static dl_status integrate(run *r, dl_error *error) {
             status = take_sample(r, time, error);
         r->pulse.left = 1; /* observation counts for the limit on time, too */
     }
-    return status;
+    return status ? status : measure_force_error(r, error);
 }
 
 /* A run that ended before its time still tells its last state, where that is one. */

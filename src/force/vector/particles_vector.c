@@ -66,4 +66,5 @@ const dl_vector_ops DL_VARIANT(dl_vector_ops) = {
     .list_discrete = DL_VARIANT(dl_list_discrete),
     .moved = DL_VARIANT(dl_moved),
     .finish = DL_VARIANT(dl_finish),
+    .expansions = &DL_VARIANT(dl_expansion_ops),
 };

@@ -94,6 +94,7 @@ bool DL_VARIANT(dl_moved)(const double *const *x, const double *const *origin, i
                           size_t count, double limit);
 bool DL_VARIANT(dl_finish)(const double *f, const double *scale, double g, const double *mask,
                            double *a, size_t count);
+extern const struct dl_expansion_ops DL_VARIANT(dl_expansion_ops);
 extern const dl_vector_ops DL_VARIANT(dl_vector_ops);
 
 #endif

@@ -514,6 +514,8 @@ const COLUMNS = [
   {title: "CPU time", key: "cpu_seconds", unit: "s", text: shortSeconds, always: true},
   number("force evaluations", "force_evaluations"),
   number("steps", "steps"),
+  real("force error, stated", "force_error_stated", "of moduli"),
+  real("force error, measured", "force_error", "of moduli"),
   real("position error, worst particle", "position_error_max", "length"),
   real("position error, largest over time", "position_error_ever", "length"),
   real("energy error, end", "energy_error_final", "of scale"),
