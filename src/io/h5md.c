@@ -285,17 +285,17 @@ static bool append_series(const dl_trajectory *trajectory, series which, const d
                          trajectory->scene->particles, trajectory->frames, values);
 }
 
-static bool append_large(hid_t data, size_t particles, int dimension, hsize_t frame,
+static bool append_large(hid_t vectors, size_t particles, int dimension, hsize_t frame,
                          const double *components) {
     hsize_t whole[3];
     extent(ROWS_PARTICLES, frame + 1, particles, whole);
-    bool good = H5Dset_extent(data, whole) >= 0;
+    bool good = H5Dset_extent(vectors, whole) >= 0;
     for (int k = 0; k < dimension && good; k++) {
         const hsize_t chunk[3] = {frame, 0, (hsize_t)k};
         unsigned char *bytes;
-        const size_t size =
+        const size_t length =
             dl_planes_deflate(components + (size_t)k * particles, particles, &bytes);
-        good = size > 0 && H5Dwrite_chunk(data, H5P_DEFAULT, 0, chunk, size, bytes) >= 0;
+        good = length > 0 && H5Dwrite_chunk(vectors, H5P_DEFAULT, 0, chunk, length, bytes) >= 0;
         free(bytes);
     }
     return good;
