@@ -39,6 +39,18 @@ done
 "$program" explain "$studies/drop/drop.yaml" > explained || fail "the drop scene does not read"
 [ -z "$(find "$prefix" -name '*.h5' -o -name 'report.html')" ] || fail "results were installed"
 
+# Under mpiexec the program finds its helper there.
+if [ -x "$build/driftlab-ranks" ]; then
+    [ -x "$prefix/$(cached CMAKE_INSTALL_LIBEXECDIR)/driftlab/driftlab-ranks" ] ||
+        fail "driftlab-ranks is not installed"
+    if command -v mpiexec > /dev/null; then
+        OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpiexec --oversubscribe -n 2 \
+            "$program" study "$studies/quickstart/study.yaml" --out ranks.h5 > ranks ||
+            fail "mpiexec with the installed program"
+        rm ranks.h5
+    fi
+fi
+
 for header in "$prefix"/include/driftlab/*.h; do
     echo "#include <driftlab/$(basename "$header")>" > alone.c
     "$compiler" -std=c11 -Wall -Wextra -Werror -fsyntax-only -I"$prefix/include" alone.c ||

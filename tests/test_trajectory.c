@@ -223,6 +223,60 @@ static void last_frame_comes_back(void **state) {
     dl_scene_free(scene);
 }
 
+/* --- many particles ------------------------------------------------------------------------- */
+
+/* Frames of more than a chunk are compressed by driftlab itself: HDF5 reads every bit of them. */
+static void check_large(const char *text, const char *method) {
+    char path[128];
+    path_in_folder("large.h5", path);
+    dl_scene *scene = scene_of_text(text);
+    const size_t n = scene->particles, d = (size_t)scene->dimension;
+    finished run;
+    kept k = write_trajectory(scene, method, path, 0.3, &run);
+    assert_int_equal(k.count, 4);
+    for (size_t frame = 0; frame < k.count; frame++) {
+        double *y_all = NULL, time = 0;
+        assert_int_equal(dl_trajectory_read_state(path, frame, scene, &y_all, &time, NULL), DL_OK);
+        assert_memory_equal(y_all, k.y + frame * k.length, k.length * sizeof *y_all);
+        free(y_all);
+    }
+    const hsize_t extent[3] = {k.count, n, 3};
+    double *rows = malloc(k.count * n * 3 * sizeof *rows);
+    const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    assert_true(file >= 0);
+    assert_non_null(rows);
+    read_reals(file, "/particles/all/velocity/value", 3, extent, rows);
+    for (size_t i = 0; i < k.count * n; i++) {
+        const double *velocity = k.y + i / n * k.length + d * n;
+        for (size_t c = 0; c < 3; c++)
+            assert_true(rows[3 * i + c] == (c < d ? velocity[c * n + i % n] : 0));
+    }
+    const hid_t data = H5Dopen2(file, "/particles/all/velocity/value", H5P_DEFAULT);
+    assert_true(H5Dget_storage_size(data) < 0.95 * (double)(k.count * d * n * sizeof *rows));
+    H5Dclose(data);
+    H5Fclose(file);
+    unlink(path);
+    free(rows);
+    free(k.y);
+    free(run.y);
+    dl_scene_free(scene);
+}
+
+static void frames_of_many_particles_come_back(void **state) {
+    (void)state;
+    check_large("name: flat\ndimension: 2\nparticles:\n"
+                "  - {at: [0, -1], pinned: true}\n"
+                "  - {lattice: {kind: square, spacing: 1, count: [70, 50]},\n"
+                "     velocity: [1, 2], perturb: {relative: 0.5}}\n"
+                "gravity: [0, -1]\ntime: {step: 0.01, end: 1, sample: 0.1}\n",
+                "leapfrog");
+    check_large("name: deep\ndimension: 3\nparticles:\n"
+                "  - {lattice: {kind: simple-cubic, spacing: 1, count: [20, 20, 10]},\n"
+                "     velocity: [1, 2, 3], perturb: {relative: 0.5}}\n"
+                "gravity: [0, 0, -1]\ntime: {step: 0.01, end: 1, sample: 0.1}\n",
+                "leapfrog");
+}
+
 static void check_restart(const dl_scene *scene, const dl_method_row *row) {
     char path[128];
     path_in_folder("half.h5", path);
@@ -419,6 +473,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(file_says_what_was_sampled),
         cmocka_unit_test(last_frame_comes_back),
+        cmocka_unit_test(frames_of_many_particles_come_back),
         cmocka_unit_test(restart_is_the_straight_run),
         cmocka_unit_test(other_files_are_refused),
         cmocka_unit_test(full_disk_leaves_nothing),

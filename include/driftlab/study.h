@@ -40,6 +40,9 @@ typedef struct dl_study_options {
     bool force;                    /* run every case, kept ones too */
     size_t processes;              /* cases side by side, each on a processor; 0: 1 */
     const volatile int *interrupt; /* non-zero: kill the running case, keep the others. NULL ok */
+    struct dl_ranks *ranks;        /* ranks.h: they do the cases. NULL: this process does */
+    /* Told what is not in the results: a rank that was lost. May be NULL. */
+    void (*on_note)(void *context, const char *text);
     /* Called at the start of each case and about five times a second. May be NULL. */
     void (*on_progress)(void *context, const dl_study_progress *progress);
     void *context;

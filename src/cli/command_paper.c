@@ -12,6 +12,7 @@
 #include "cli/command.h"
 #include "cli/json.h"
 #include "cli/outcome.h"
+#include "cli/paths.h"
 #include "cli/terminal.h"
 #include "driftlab/paper.h"
 
@@ -62,16 +63,11 @@ static bool is_folder(const char *path) {
 
 /* The installed studies lie at a fixed way from the program. */
 static bool find_installed(char *studies, size_t size) {
-    char program[path_size];
-    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
-    if (length <= 0)
-        return false;
-    program[length] = '\0';
-    char *slash = strrchr(program, '/');
-    if (!slash)
-        return false;
-    *slash = '\0';
-    return (size_t)snprintf(studies, size, "%s/%s", program, DL_SHARE) < size && is_folder(studies);
+    char *installed = cli_beside_program(DL_SHARE);
+    const bool found =
+        installed && (size_t)snprintf(studies, size, "%s", installed) < size && is_folder(studies);
+    free(installed);
+    return found;
 }
 
 static dl_status find_studies(const paper_values *values, char *studies, size_t size,

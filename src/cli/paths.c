@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 char *cli_beside(const char *path, const char *name) {
     const char *slash = strrchr(path, '/');
@@ -12,4 +13,13 @@ char *cli_beside(const char *path, const char *name) {
     if (beside)
         snprintf(beside, room, "%.*s%s", folder, path, name);
     return beside;
+}
+
+char *cli_beside_program(const char *name) {
+    char program[4096];
+    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    if (length <= 0)
+        return NULL;
+    program[length] = '\0';
+    return cli_beside(program, name);
 }

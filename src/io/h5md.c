@@ -25,6 +25,7 @@
 #include <unistd.h>
 
 #include "driftlab/version.h"
+#include "io/planes.h"
 #include "io/sink.h"
 
 enum { spatial = 3 };
@@ -220,6 +221,14 @@ static int extent(rows kind, hsize_t frames, size_t particles, hsize_t dimension
     return kind == ROWS_NONE ? 1 : 3;
 }
 
+/* A frame of many particles fills chunks of its own, one a component, which are compressed here
+ * (planes.h) and not by HDF5, and a component that is 0 in two dimensions has none. */
+static bool is_large(rows kind, size_t particles) {
+    return kind == ROWS_PARTICLES && particles * sizeof(double) * spatial >= chunk_bytes &&
+           particles < UINT32_MAX / (2 * sizeof(double)) &&
+           H5Tequal(H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE) > 0;
+}
+
 static hid_t create_growing(hid_t group, const char *name, hid_t type, rows kind,
                             size_t particles) {
     hsize_t now[3], most[3], chunk[3], frame_bytes = sizeof(double);
@@ -228,6 +237,8 @@ static hid_t create_growing(hid_t group, const char *name, hid_t type, rows kind
     for (int k = 1; k < rank; k++)
         frame_bytes *= now[k];
     extent(kind, chunk_bytes > frame_bytes ? chunk_bytes / frame_bytes : 1, particles, chunk);
+    if (is_large(kind, particles))
+        chunk[2] = 1;
     const hid_t space = H5Screate_simple(rank, now, most);
     const hid_t layout = H5Pcreate(H5P_DATASET_CREATE);
     H5Pset_chunk(layout, rank, chunk);
@@ -272,6 +283,39 @@ static bool append_values(hid_t data, hid_t type, rows kind, size_t particles, h
 static bool append_series(const dl_trajectory *trajectory, series which, const double *values) {
     return append_values(trajectory->value[which], H5T_NATIVE_DOUBLE, series_table[which].rows,
                          trajectory->scene->particles, trajectory->frames, values);
+}
+
+static bool append_large(hid_t vectors, size_t particles, int dimension, hsize_t frame,
+                         const double *components) {
+    hsize_t whole[3];
+    extent(ROWS_PARTICLES, frame + 1, particles, whole);
+    bool good = H5Dset_extent(vectors, whole) >= 0;
+    for (int k = 0; k < dimension && good; k++) {
+        const hsize_t chunk[3] = {frame, 0, (hsize_t)k};
+        unsigned char *bytes;
+        const size_t length =
+            dl_planes_deflate(components + (size_t)k * particles, particles, &bytes);
+        good = length > 0 && H5Dwrite_chunk(vectors, H5P_DEFAULT, 0, chunk, length, bytes) >= 0;
+        free(bytes);
+    }
+    return good;
+}
+
+/* Components of all particles (x of every one, then y ...) as rows of three. */
+static void fill_rows(dl_trajectory *trajectory, const double *components) {
+    const size_t n = trajectory->scene->particles;
+    for (size_t k = 0; k < (size_t)trajectory->scene->dimension; k++)
+        for (size_t i = 0; i < n; i++)
+            trajectory->rows[spatial * i + k] = components[k * n + i];
+}
+
+static bool append_vectors(dl_trajectory *trajectory, series which, const double *components) {
+    const dl_scene *scene = trajectory->scene;
+    if (is_large(ROWS_PARTICLES, scene->particles))
+        return append_large(trajectory->value[which], scene->particles, scene->dimension,
+                            trajectory->frames, components);
+    fill_rows(trajectory, components);
+    return append_series(trajectory, which, trajectory->rows);
 }
 
 /* --- life of a trajectory ------------------------------------------------------------------- */
@@ -377,14 +421,6 @@ dl_status dl_trajectory_create(const char *path, const dl_scene *scene, const ch
     return DL_OK;
 }
 
-/* Components of all particles (x of every one, then y ...) as rows of three. */
-static void fill_rows(dl_trajectory *trajectory, const double *components) {
-    const size_t n = trajectory->scene->particles;
-    for (size_t k = 0; k < (size_t)trajectory->scene->dimension; k++)
-        for (size_t i = 0; i < n; i++)
-            trajectory->rows[spatial * i + k] = components[k * n + i];
-}
-
 /* The period, or for viewers: from wall to wall where there are both, else the extent of the
  * particles, 1 where that is nothing (the z of two dimensions). Positions are never wrapped. */
 static void box_edges(const dl_scene *scene, const double *positions, double edges[9]) {
@@ -416,20 +452,18 @@ dl_status dl_trajectory_append(dl_trajectory *trajectory, const dl_sample *sampl
     const double potential = sample->energy.pair + sample->energy.gravity;
     double edges[9];
     box_edges(scene, sample->y_all, edges);
-    fill_rows(trajectory, sample->y_all);
-    bool good = append_series(trajectory, SERIES_POSITION, trajectory->rows);
-    fill_rows(trajectory, sample->y_all + components);
-    good = good && append_series(trajectory, SERIES_VELOCITY, trajectory->rows) &&
-           append_series(trajectory, SERIES_EDGES, edges) &&
-           append_series(trajectory, SERIES_KINETIC, &sample->energy.kinetic) &&
-           append_series(trajectory, SERIES_POTENTIAL, &potential) &&
-           append_series(trajectory, SERIES_TOTAL, &sample->energy.total) &&
-           append_series(trajectory, SERIES_LEDGER, &sample->ledger) &&
-           append_series(trajectory, SERIES_ERROR, &sample->energy_error) &&
-           append_values(trajectory->step, H5T_NATIVE_LLONG, ROWS_NONE, 0, trajectory->frames,
-                         &step) &&
-           append_values(trajectory->time, H5T_NATIVE_DOUBLE, ROWS_NONE, 0, trajectory->frames,
-                         &sample->time);
+    const bool good = append_vectors(trajectory, SERIES_POSITION, sample->y_all) &&
+                      append_vectors(trajectory, SERIES_VELOCITY, sample->y_all + components) &&
+                      append_series(trajectory, SERIES_EDGES, edges) &&
+                      append_series(trajectory, SERIES_KINETIC, &sample->energy.kinetic) &&
+                      append_series(trajectory, SERIES_POTENTIAL, &potential) &&
+                      append_series(trajectory, SERIES_TOTAL, &sample->energy.total) &&
+                      append_series(trajectory, SERIES_LEDGER, &sample->ledger) &&
+                      append_series(trajectory, SERIES_ERROR, &sample->energy_error) &&
+                      append_values(trajectory->step, H5T_NATIVE_LLONG, ROWS_NONE, 0,
+                                    trajectory->frames, &step) &&
+                      append_values(trajectory->time, H5T_NATIVE_DOUBLE, ROWS_NONE, 0,
+                                    trajectory->frames, &sample->time);
     if (!good || trajectory->sink.error)
         return fail_writing(trajectory, trajectory->sink.error, error);
     trajectory->frames++;

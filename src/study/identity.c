@@ -107,6 +107,15 @@ char *dl_study_case_key(const dl_study *study, const dl_study_case *cased) {
                    study->settings.samples, reference);
 }
 
+uint64_t dl_study_hash(const dl_study *study) {
+    uint64_t hash = hash_start;
+    for (size_t i = 0; i < study->scenes; i++)
+        hash = hash_text(hash, study->scene[i].reference_key);
+    for (size_t i = 0; i < study->cases; i++)
+        hash = hash_text(hash, study->cased[i].key);
+    return hash;
+}
+
 /* Quotes for the shell where a path needs them. */
 static char *shell_word(const char *word) {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"

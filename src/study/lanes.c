@@ -13,8 +13,8 @@
 enum { IDLE = -1 };
 
 typedef struct lane {
-    pid_t child; /* 0: lost, or never started */
-    int orders;  /* the parent writes the next part's number there */
+    pid_t child; /* 0: none of this process's */
+    int orders;  /* the parent writes the next part's number there; -1: lost, or never started */
     long part;   /* that it does, or IDLE */
     dl_message message;
 } lane;
@@ -48,7 +48,7 @@ static void become_lane(const lanes *all, size_t index, int orders, int answers,
     signal(SIGTERM, SIG_DFL);
     dl_process_stay_on(index);
     for (size_t i = 0; i < index; i++)
-        if (all->lane[i].child) {
+        if (all->lane[i].orders >= 0) {
             close(all->lane[i].orders);
             close(all->lane[i].message.pipe);
         }
@@ -57,7 +57,7 @@ static void become_lane(const lanes *all, size_t index, int orders, int answers,
 
 /* --- the parent ---------------------------------------------------------------------------- */
 
-static dl_status start(lanes *all, size_t index, dl_error *error) {
+static dl_status fork_lane(lanes *all, size_t index, dl_error *error) {
     int orders[2], answers[2];
     if (pipe(orders))
         return dl_fail(error, DL_IO, "a pipe for a process: %s", strerror(errno));
@@ -84,28 +84,51 @@ static dl_status start(lanes *all, size_t index, dl_error *error) {
     return DL_OK;
 }
 
-static void end_lane(lane *ending, bool by_force) {
-    if (!ending->child)
-        return;
+static dl_status start(lanes *all, size_t index, dl_error *error) {
+    if (!all->work->socket)
+        return fork_lane(all, index, error);
+    const int socket = all->work->socket[index];
+    all->lane[index] = (lane){.orders = socket, .part = IDLE, .message = {.pipe = socket}};
+    return DL_OK;
+}
+
+static void end_child(const lane *ending, bool by_force) {
     close(ending->orders); /* which ends an idle one */
     if (by_force)
         kill(ending->child, SIGKILL);
     while (waitpid(ending->child, NULL, 0) < 0 && errno == EINTR) {
     }
     close(ending->message.pipe);
+}
+
+/* A process elsewhere goes on waiting for orders. */
+static void end_lane(lane *ending, bool by_force) {
+    if (ending->child)
+        end_child(ending, by_force);
     free(ending->message.data);
-    *ending = (lane){.part = IDLE};
+    *ending = (lane){.orders = -1, .part = IDLE};
+}
+
+static void lose(lanes *all, lane *lost) {
+    const size_t index = (size_t)(lost - all->lane);
+    if (all->work->socket) {
+        close(all->work->socket[index]);
+        all->work->socket[index] = -1;
+    }
+    if (all->work->lost)
+        all->work->lost(all->work->context, index, lost->part);
+    end_lane(lost, true);
 }
 
 /* The next part to a lane that has none. A lane that does not take it is lost. */
 static void hand_out(lanes *all, lane *to) {
     while (all->next < all->parts && all->done[all->next])
         all->next++;
-    if (!to->child || to->part != IDLE || all->next == all->parts)
+    if (to->orders < 0 || to->part != IDLE || all->next == all->parts)
         return;
     const size_t part = all->next;
     if (!dl_message_send(to->orders, &part, sizeof part)) {
-        end_lane(to, true);
+        lose(all, to);
         return;
     }
     all->next++;
@@ -116,29 +139,34 @@ static void hand_out(lanes *all, lane *to) {
 static size_t busy(const lanes *all) {
     size_t count = 0;
     for (size_t i = 0; i < all->count; i++)
-        count += all->lane[i].child != 0 && all->lane[i].part != IDLE;
+        count += all->lane[i].orders >= 0 && all->lane[i].part != IDLE;
     return count;
 }
 
 static dl_status hear(lanes *all, lane *from, dl_error *error) {
     bool whole, ended;
     dl_status status = dl_message_take(&from->message, &whole, &ended, error);
-    if (status == DL_OK && whole) {
+    if (status == DL_IO && all->work->socket) {
+        status = DL_OK; /* a connection that is broken has lost its process */
+        ended = true;
+    }
+    ended |= whole && from->part == IDLE; /* nobody asked */
+    if (status == DL_OK && whole && !ended) {
         const size_t part = (size_t)from->part;
         from->part = IDLE;
         status = all->work->receive(all->work->context, part, dl_message_bytes(&from->message),
                                     dl_message_size(&from->message), error);
         all->done[part] = status == DL_OK;
     } else if (status == DL_OK && ended) {
-        end_lane(from, true); /* lost, with its part */
+        lose(all, from); /* with its part */
     }
     return status;
 }
 
 static dl_status hear_all(lanes *all, dl_error *error) {
     for (size_t i = 0; i < all->count; i++)
-        all->wait[i] = (struct pollfd){.fd = all->lane[i].child ? all->lane[i].message.pipe : -1,
-                                       .events = POLLIN};
+        all->wait[i] = (struct pollfd){
+            .fd = all->lane[i].orders >= 0 ? all->lane[i].message.pipe : -1, .events = POLLIN};
     const int ready = poll(all->wait, (nfds_t)all->count, 200);
     all->work->tick(all->work->context);
     if (all->work->interrupt && *all->work->interrupt)
@@ -152,6 +180,8 @@ static dl_status hear_all(lanes *all, dl_error *error) {
 
 static dl_status work_through(lanes *all, dl_error *error) {
     dl_status status = DL_OK;
+    for (size_t i = 0; i < all->count; i++)
+        all->lane[i] = (lane){.orders = -1, .part = IDLE};
     for (size_t i = 0; i < all->count && status == DL_OK; i++)
         status = start(all, i, error);
     while (status == DL_OK) {

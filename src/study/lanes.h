@@ -17,8 +17,13 @@ typedef struct dl_lanes_work {
                          dl_error *error);
     /* In the parent, about five times a second. */
     void (*tick)(void *context);
+    /* In the parent: a lane is lost, with the part it was doing (-1: none). May be NULL. */
+    void (*lost)(void *context, size_t lane, long part);
     void *context;
-    const volatile int *interrupt; /* non-zero: every lane is killed. May be NULL */
+    /* [lanes]: connections to processes elsewhere, which serve as lanes; -1: none, or lost. NULL:
+     * lanes are forked. */
+    int *socket;
+    const volatile int *interrupt; /* non-zero: every lane of its own is killed. NULL ok */
 } dl_lanes_work;
 
 /* Does the parts [count] that are not `done`, in their order, and marks those that were. A lane

@@ -33,6 +33,13 @@ dl_status dl_part_pack(const dl_study *study, const dl_study_part *part, void **
 dl_status dl_part_unpack(const dl_study *study, const void *bytes, size_t size, dl_study_part *part,
                          dl_error *error);
 
+/* In a process that works for another: measures it, and sends it or why it could not be. */
+void dl_part_measure_and_send(const dl_study *study, const dl_results *results, size_t part,
+                              const dl_watch *watch, int pipe);
+/* In the other: what was sent. A failure is the sender's, or the message's. */
+dl_status dl_part_receive(const dl_study *study, const void *data, size_t size,
+                          dl_study_part *measured, dl_error *error);
+
 /* Moves out of the old results what this study asks for. */
 dl_status dl_parts_keep(const dl_study *study, dl_results *old, dl_results *results,
                         dl_error *error);

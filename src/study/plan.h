@@ -115,6 +115,8 @@ dl_status dl_study_find_method(const dl_yaml *yaml, const dl_yaml_node *map,
 /* --- identity.c ---------------------------------------------------------------------------- */
 
 uint64_t dl_scene_hash(const dl_scene *scene);
+/* Of all that it measures. */
+uint64_t dl_study_hash(const dl_study *study);
 
 /* "NAME#HASH method option=value ... end=E samples=S [reference=HASH]"; NULL: no memory. */
 char *dl_study_case_key(const dl_study *study, const dl_study_case *cased);

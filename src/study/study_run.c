@@ -13,6 +13,7 @@
 #include "study/lanes.h"
 #include "study/parts.h"
 #include "study/process.h"
+#include "study/ranks.h"
 
 typedef struct progress {
     const dl_study *study;
@@ -264,29 +265,10 @@ static dl_status run_in_order(progress *run, dl_error *error) {
 
 /* --- side by side -------------------------------------------------------------------------- */
 
-/* In a lane. The message: a status, then the part's bytes or the text of the failure. */
 static void work_in_lane(void *context, size_t part, int pipe) {
     const progress *run = context;
     const dl_watch nobody = {.interrupt = NULL};
-    dl_study_part measured;
-    dl_error why = {""};
-    void *bytes = NULL;
-    size_t size = 0;
-    dl_status status =
-        dl_part_measure(run->study, run->results, part, &nobody, NULL, NULL, &measured, &why);
-    if (status == DL_OK) {
-        status = dl_part_pack(run->study, &measured, &bytes, &size, &why);
-        dl_part_release(run->study, &measured);
-    }
-    const size_t length = status == DL_OK ? size : sizeof why.message;
-    char *message = calloc(sizeof(double) + length, 1);
-    if (!message)
-        _exit(EXIT_FAILURE); /* the parent runs the part itself */
-    memcpy(message, &status, sizeof status);
-    memcpy(message + sizeof(double), status == DL_OK ? bytes : why.message, length);
-    dl_child_send(pipe, message, sizeof(double) + length);
-    free(message);
-    free(bytes);
+    dl_part_measure_and_send(run->study, run->results, part, &nobody, pipe);
 }
 
 static void lane_begins(void *context, size_t part) {
@@ -298,37 +280,64 @@ static dl_status lane_answers(void *context, size_t part, const void *data, size
                               dl_error *error) {
     (void)part;
     progress *run = context;
-    dl_status status;
     dl_study_part measured;
-    const char *rest = (const char *)data + sizeof(double);
-    memcpy(&status, data, sizeof status);
-    if (status != DL_OK)
-        return dl_fail(error, status, "%s", rest);
-    status = dl_part_unpack(run->study, rest, size - sizeof(double), &measured, error);
+    const dl_status status = dl_part_receive(run->study, data, size, &measured, error);
     return status == DL_OK ? add_part(run, &measured, error) : status;
 }
 
-static dl_status run_side_by_side(progress *run, dl_error *error) {
-    const dl_study *study = run->study;
+/* Tells of a rank that is lost, and of the part it was doing (-1: none). */
+static void rank_is_lost(void *context, size_t rank, long part) {
+    const progress *run = context;
+    const dl_study_options *options = run->options;
+    char *label = part < 0 ? NULL : dl_part_label(run->study, (size_t)part);
+    char *note = dl_text(label ? "rank %zu on %s is lost; \"%s\" is handed to another"
+                               : "rank %zu on %s is lost",
+                         rank, options->ranks->rank[rank].host, label);
+    if (note && options->on_note)
+        options->on_note(options->context, note);
+    free(note);
+    free(label);
+}
+
+/* Hands out what is not done, in lanes that are forked or to ranks. What a lost rank has left goes
+ * to the others once; a part that costs two is not for a third. */
+static dl_status run_lanes(progress *run, bool *done, dl_error *error) {
+    dl_ranks *ranks = run->options->ranks;
+    const size_t parts = run->study->cases;
     const dl_lanes_work work = {.work = work_in_lane,
                                 .begun = lane_begins,
                                 .receive = lane_answers,
                                 .tick = tell,
+                                .lost = ranks ? rank_is_lost : NULL,
                                 .context = run,
+                                .socket = ranks ? ranks->socket : NULL,
                                 .interrupt = run->options->interrupt};
+    if (!ranks)
+        return dl_lanes_run(&work, run->options->processes, parts, done, error);
+    dl_status status = dl_ranks_send_references(ranks, run->results, error);
+    for (int round = 0; round < 2 && status == DL_OK; round++)
+        status = dl_lanes_run(&work, ranks->count, parts, done, error);
+    return status;
+}
+
+static dl_status run_side_by_side(progress *run, dl_error *error) {
+    const dl_study *study = run->study;
+    size_t left = 0;
     bool *done = calloc(study->cases, sizeof *done);
     if (!done)
         return dl_fail_memory(error, "a study");
-    for (size_t i = 0; i < study->cases; i++)
+    for (size_t i = 0; i < study->cases; i++) {
         done[i] = dl_part_is_done(study, run->results, i);
-    const dl_status status =
-        dl_lanes_run(&work, run->options->processes, study->cases, done, error);
+        left += !done[i];
+    }
+    const dl_status status = left > 0 ? run_lanes(run, done, error) : DL_OK;
     free(done);
-    return status == DL_OK ? run_in_order(run, error) : status; /* what a lost lane has left */
+    return status == DL_OK ? run_in_order(run, error) : status; /* what lost ones have left */
 }
 
 static dl_status run_parts(progress *run, dl_error *error) {
-    return run->options->processes > 1 ? run_side_by_side(run, error) : run_in_order(run, error);
+    return run->options->processes > 1 || run->options->ranks ? run_side_by_side(run, error)
+                                                              : run_in_order(run, error);
 }
 
 /* --- a better reference ---------------------------------------------------------------------- */
@@ -426,12 +435,25 @@ static dl_status run_missing(progress *run, dl_error *error) {
 
 static dl_status check_processes(const dl_study_options *options, dl_error *error) {
     const size_t most = dl_process_processors();
+    if (options->ranks && options->processes > 1)
+        return dl_fail(error, DL_INPUT,
+                       "processes: found %zu, expected 1 under mpiexec: its -n says how many",
+                       options->processes);
     return options->processes <= most
                ? DL_OK
                : dl_fail(error, DL_INPUT,
                          "processes: found %zu, expected at most %zu, one a processor: more would "
                          "spoil each other's times",
                          options->processes, most);
+}
+
+static dl_status check_ranks(progress *run, dl_error *error) {
+    const dl_ranks_check check = {.study = run->study,
+                                  .results = run->results,
+                                  .lost = rank_is_lost,
+                                  .context = run,
+                                  .interrupt = run->options->interrupt};
+    return dl_ranks_agree(run->options->ranks, &check, error);
 }
 
 dl_status dl_study_run(const dl_study *study, const dl_study_options *options, dl_results **results,
@@ -444,6 +466,8 @@ dl_status dl_study_run(const dl_study *study, const dl_study_options *options, d
     dl_status status = dl_lock_take(&lock, options->results, error);
     if (status == DL_OK)
         status = begin(&run, error);
+    if (status == DL_OK && options->ranks)
+        status = check_ranks(&run, error);
     if (status == DL_OK) {
         status = run_missing(&run, error);
         start_part(&run, NULL);
