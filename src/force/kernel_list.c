@@ -129,7 +129,6 @@ static void sum_pairs(const dl_kernel *kernel, const double *x, const double *de
     dl_pair_arrays pairs = {
         .dimension = p->dimension,
         .particles = p->particles,
-        .moving = p->moving,
         .coupling = p->coupling,
         .buffer = data->buffer,
         .box = p->box,
@@ -143,13 +142,14 @@ static void sum_pairs(const dl_kernel *kernel, const double *x, const double *de
         pairs.f[c] = f + (size_t)c * p->particles;
     memset(f, 0, (size_t)p->dimension * p->particles * sizeof *f);
     if (data->parts.count == 0)
-        loop(&pairs, &(dl_neighbours){data->list.start, data->list.neighbour});
+        loop(&pairs,
+             &(dl_neighbours){data->list.start, data->list.neighbour, 0, (int)p->moving, true});
     for (size_t k = 0; k < data->parts.count; k++) {
         const dl_list *part = &data->parts.part[k];
         pairs.law = &p->law[k];
         pairs.loops = kernel->loops[k];
         if (pairs.law->pieces > 0)
-            loop(&pairs, &(dl_neighbours){part->start, part->neighbour});
+            loop(&pairs, &(dl_neighbours){part->start, part->neighbour, 0, (int)p->moving, true});
     }
 }
 
@@ -175,7 +175,7 @@ static void pair(dl_kernel *kernel, const double *x, const double *delta, size_t
     list_loop *loop = delta ? kernel->vector->list_discrete : kernel->vector->list;
     dl_pair_alone alone;
     dl_pair_alone_load(kernel, x, delta, i, j, data->buffer, &alone);
-    loop(&alone.arrays, &(dl_neighbours){start, neighbour});
+    loop(&alone.arrays, &(dl_neighbours){start, neighbour, 0, 1, true});
     for (int c = 0; c < kernel->problem.dimension; c++)
         f[c] = alone.f[c][0];
 }

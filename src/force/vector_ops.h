@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include "force/box.h"
 #include "force/law.h"
 
@@ -29,14 +30,14 @@ typedef struct dl_law_loops {
 /* Positions and forces of the particles, one padded array a component. */
 typedef struct dl_pair_arrays {
     int dimension;
-    size_t particles, moving; /* of a list: pairs (i, j) with i < moving, i < j */
-    const double *coupling;   /* [particles + pad], NULL: all 1 */
-    const double *x[3];       /* positions */
-    const double *delta[3];   /* displacements over a step; discrete loops only */
-    double *f[3];             /* forces, added to */
-    double *buffer;           /* dl_row_buffer_size(particles) doubles */
-    const dl_box *box;        /* NULL: nothing is periodic */
-    const dl_law *law;        /* of the pairs that the call is for */
+    size_t particles;
+    const double *coupling; /* [particles + pad], NULL: all 1 */
+    const double *x[3];     /* positions */
+    const double *delta[3]; /* displacements over a step; discrete loops only */
+    double *f[3];           /* forces, added to */
+    double *buffer;         /* dl_row_buffer_size(particles) doubles */
+    const dl_box *box;      /* NULL: nothing is periodic */
+    const dl_law *law;      /* of the pairs that the call is for */
     const dl_law_loops *loops;
 } dl_pair_arrays;
 
@@ -45,9 +46,12 @@ typedef struct dl_pair_block {
     size_t begin, end, partners_begin, partners_end;
 } dl_pair_block;
 
-/* Neighbour rows: j of row i in neighbour[start[i]] ... neighbour[start[i + 1] - 1], j > i. */
+/* Neighbour rows begin <= i < end: j of row i in neighbour[start[i]] ... neighbour[start[i + 1] -
+ * 1]. Their forces are added to both particles, or to i alone. */
 typedef struct dl_neighbours {
     const int *start, *neighbour;
+    int begin, end;
+    bool both;
 } dl_neighbours;
 
 typedef struct dl_vector_ops {
@@ -64,6 +68,10 @@ typedef struct dl_vector_ops {
      * not finite. f and a may be the same array. */
     bool (*finish)(const double *f, const double *scale, double g, const double *mask, double *a,
                    size_t count);
+    /* Bit k of count <= 64: x[k] < low or x[k] > high. */
+    uint64_t (*outside)(const double *x, double low, double high, size_t count);
+    /* 1/sqrt(s) as the loops have it, for tests. */
+    void (*inverse_sqrt)(const double *s, double *root, size_t count);
 } dl_vector_ops;
 
 /* Doubles of scratch that the row loops need. */

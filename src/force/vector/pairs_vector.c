@@ -80,7 +80,7 @@ DL_INLINE void evaluate(const dl_pair_arrays *p, buffers b, loop_form form, size
 /* --- gathered pairs --------------------------------------------------------------------------- */
 
 typedef struct gathered {
-    int i[CHUNK + 1], j[CHUNK + 1];
+    int i[CHUNK + 8], j[CHUNK + 8];
     size_t count;
 } gathered;
 
@@ -125,7 +125,9 @@ DL_INLINE bool gather(const inputs *in, buffers b, loop_form form, bool at_end, 
     return changes;
 }
 
-DL_INLINE void scatter(const dl_pair_arrays *p, buffers b, loop_form form, gathered *pairs) {
+/* Forces of the gathered pairs, on both particles or on the first alone. */
+DL_INLINE void scatter(const dl_pair_arrays *p, buffers b, loop_form form, bool both,
+                       gathered *pairs) {
     evaluate(p, b, form, pairs->count);
     for (size_t n = 0; n < pairs->count; n++) {
         int i = pairs->i[n], j = pairs->j[n];
@@ -135,7 +137,8 @@ DL_INLINE void scatter(const dl_pair_arrays *p, buffers b, loop_form form, gathe
         for (int c = 0; c < form.dimension; c++) {
             double force = f * b.d[c][n];
             p->f[c][i] += force;
-            p->f[c][j] -= force;
+            if (both)
+                p->f[c][j] -= force;
         }
     }
     pairs->count = 0;
@@ -145,26 +148,96 @@ DL_INLINE double square_of_reach(const dl_law *law) {
     return law->until2[law->pieces - 1];
 }
 
+#if defined(DL_ISA_avx512)
+DL_INLINE vector at(const double *x, __m256i index) {
+    return (vector)_mm512_i32gather_pd(index, x, 8);
+}
+
+DL_INLINE void keep(double *to, __mmask8 mask, vector v) {
+    _mm512_storeu_pd(to, _mm512_maskz_compress_pd(mask, (__m512d)v));
+}
+
+DL_INLINE void keep_index(int *to, __mmask8 mask, __m256i index) {
+    _mm256_storeu_si256((__m256i *)to, _mm256_maskz_compress_epi32(mask, index));
+}
+
+/* As gather, for a vector of pairs and of forces alone. */
+DL_INLINE void gather_lanes(const inputs *in, buffers b, loop_form form, double reach2,
+                            const int *row, const int *neighbour, int count, gathered *pairs) {
+    __mmask8 there = count < 8 ? (__mmask8)((1U << count) - 1) : (__mmask8)0xff;
+    __m256i i = _mm256_maskz_loadu_epi32(there, row);
+    __m256i j = _mm256_maskz_loadu_epi32(there, neighbour);
+    size_t n = pairs->count;
+    vector s = splat(0), d[3];
+    for (int c = 0; c < form.dimension; c++) {
+        d[c] = at(in->x[c], i) - at(in->x[c], j);
+        if (form.periodic)
+            d[c] -= shifts_of(&in->box, c, d[c]);
+        s += d[c] * d[c];
+    }
+    __mmask8 within =
+        _mm512_mask_cmp_pd_mask(there, (__m512d)s, _mm512_set1_pd(reach2), _CMP_LE_OQ);
+    for (int c = 0; c < form.dimension; c++)
+        keep(b.d[c] + n, within, d[c]);
+    keep(b.s + n, within, s);
+    keep_index(pairs->i + n, within, i);
+    keep_index(pairs->j + n, within, j);
+    pairs->count = n + (size_t)__builtin_popcount(within);
+}
+#endif
+
+DL_INLINE void gather_span(const inputs *in, buffers b, loop_form form, double reach2,
+                           const int *row, const int *neighbour, int count, gathered *pairs) {
+#if defined(DL_ISA_avx512)
+    if (!form.discrete) {
+        for (int k = 0; k < count; k += 8)
+            gather_lanes(in, b, form, reach2, row + k, neighbour + k, count - k, pairs);
+        return;
+    }
+#endif
+    for (int k = 0; k < count; k++) {
+        bool changes = gather(in, b, form, false, reach2, row[k], neighbour[k], pairs);
+        if (form.periodic && form.discrete && changes)
+            gather(in, b, form, true, reach2, row[k], neighbour[k], pairs);
+    }
+}
+
+/* Writes the row of every entry from `entry` on, as far as whole rows fit into `most`, or `most`
+ * of one that is longer: rows are short and of any length, and a loop over each would end by
+ * surprise. *i: the row of the next entry. Returns their number; row has room for 8 more. */
+DL_INLINE int write_rows(const dl_neighbours *list, int entry, int most, int *i, int *row) {
+    const int *start = list->start, end = list->end;
+    int count = 0, at = *i;
+    for (; at < end && start[at + 1] - entry <= most; at++) {
+        int k = count;
+        count = start[at + 1] - entry;
+        do
+            for (int lane = 0; lane < 8; lane++)
+                row[k + lane] = at;
+        while ((k += 8) < count);
+    }
+    if (count == 0 && at < end)
+        while (count < most)
+            row[count++] = at;
+    *i = at;
+    return count;
+}
+
 DL_INLINE void list_rows(const dl_pair_arrays *p, const dl_neighbours *list, loop_form form) {
     buffers b = lay_out(p->buffer, CHUNK);
     inputs in = inputs_of(p, form);
+    const double reach2 = square_of_reach(p->law);
+    /* a pair may have a part for each of two copies */
+    const int most = form.periodic && form.discrete ? CHUNK / 2 : CHUNK;
     gathered pairs;
     pairs.count = 0;
-    double reach2 = square_of_reach(p->law);
-    const int *neighbour = list->neighbour;
-    for (int i = 0; i < (int)p->moving; i++)
-        for (int k = list->start[i]; k < list->start[i + 1]; k++) {
-            int j = neighbour[k];
-            bool changes = gather(&in, b, form, false, reach2, i, j, &pairs);
-            if (pairs.count == CHUNK)
-                scatter(p, b, form, &pairs);
-            if (form.periodic && form.discrete && changes) {
-                gather(&in, b, form, true, reach2, i, j, &pairs);
-                if (pairs.count == CHUNK)
-                    scatter(p, b, form, &pairs);
-            }
-        }
-    scatter(p, b, form, &pairs);
+    int row[CHUNK + 8];
+    for (int i = list->begin, entry = list->start[i]; i < list->end;) {
+        int count = write_rows(list, entry, most, &i, row);
+        gather_span(&in, b, form, reach2, row, list->neighbour + entry, count, &pairs);
+        scatter(p, b, form, list->both, &pairs);
+        entry += count;
+    }
 }
 
 /* --- runs of partners ------------------------------------------------------------------------- */
@@ -228,9 +301,9 @@ DL_INLINE void add_copies_at_end(const dl_pair_arrays *p, const inputs *in, loop
     for (size_t k = 0; k < count; k++) {
         gather(in, b, form, true, square_of_reach(p->law), (int)i, (int)(first + k), &pairs);
         if (pairs.count == CHUNK)
-            scatter(p, b, form, &pairs);
+            scatter(p, b, form, true, &pairs);
     }
-    scatter(p, b, form, &pairs);
+    scatter(p, b, form, true, &pairs);
 }
 
 DL_INLINE void block_rows(const dl_pair_arrays *p, const dl_pair_block *block, loop_form form) {
