@@ -20,12 +20,7 @@ typedef void dl_law_loop(const dl_law *law, const double *s, double *f, size_t c
 typedef void dl_discrete_loop(const dl_law *law, const double *s0, const double *s1,
                               const double *ds, double *g, size_t count);
 
-/* The law's loops: those specialised for its powers where there are such. */
-typedef struct dl_law_loops {
-    const char *name;
-    dl_law_loop *force;
-    dl_discrete_loop *discrete;
-} dl_law_loops;
+typedef struct dl_law_loops dl_law_loops;
 
 /* Positions and forces of the particles, one padded array a component. */
 typedef struct dl_pair_arrays {
@@ -45,6 +40,24 @@ typedef struct dl_pair_arrays {
 typedef struct dl_pair_block {
     size_t begin, end, partners_begin, partners_end;
 } dl_pair_block;
+
+typedef void dl_block_loop(const dl_pair_arrays *arrays, const dl_pair_block *block);
+
+enum { dl_loop_forms = 8 };
+
+/* Of the loops compiled for what a scene has: its place among them. */
+static inline size_t dl_loop_form(const dl_pair_arrays *arrays) {
+    return (arrays->box ? 4U : 0U) + (arrays->coupling ? 2U : 0U) +
+           (arrays->dimension == 3 ? 1U : 0U);
+}
+
+/* The law's loops: those specialised for its powers where there are such. */
+struct dl_law_loops {
+    const char *name;
+    dl_law_loop *force;
+    dl_discrete_loop *discrete;
+    dl_block_loop *const *block; /* [dl_loop_forms]: the force over blocks; NULL: by `force` */
+};
 
 /* Neighbour rows begin <= i < end: j of row i in neighbour[start[i]] ... neighbour[start[i + 1] -
  * 1]. Their forces are added to both particles, or to i alone. */

@@ -1,51 +1,11 @@
 /* Loops over squared distances. With the powers known at compile time (law_shapes.def) a term is a
  * few multiplications; other whole powers loop; real powers call pow. */
 #include "force/law_taper.h"
-#include "force/vector/vector.h"
-
-typedef struct shape {
-    int pieces;
-    bool cut;
-    int terms[2];
-    int power[2][2];
-} shape;
-
-/* inverse^n with inverse = 1/r and inverse2 = 1/r^2; n known at compile time costs log2(n). */
-DL_INLINE vector whole_power(vector inverse, vector inverse2, int n) {
-    vector result = n & 1 ? inverse : splat(1);
-    vector square = inverse2;
-#pragma GCC unroll 6
-    for (int m = n >> 1; m > 0; m >>= 1) {
-        if (m & 1)
-            result *= square;
-        square *= square;
-    }
-    return result;
-}
-
-DL_INLINE vector piece_force(const dl_law *law, int piece, int terms, const int *power,
-                             vector inverse, vector inverse2) {
-    vector sum = splat(0);
-#pragma GCC unroll 4
-    for (int t = 0; t < terms; t++)
-        sum += law->coefficient[piece][t] * whole_power(inverse, inverse2, power[t] + 1);
-    return sum;
-}
+#include "force/vector/law_shape.h"
 
 DL_INLINE void force_loop(const dl_law *law, shape form, const double *s, double *f, size_t count) {
-    for (size_t k = 0; k < count; k += DL_LANES) {
-        vector s_k = load(s + k), inverse = inverse_sqrt(s_k), inverse2 = inverse * inverse;
-        int last = form.pieces - 1;
-        vector value =
-            piece_force(law, last, form.terms[last], form.power[last], inverse, inverse2);
-        if (form.cut)
-            value = choose(s_k <= law->until2[last], value, splat(0));
-        if (form.pieces == 2) {
-            vector inner = piece_force(law, 0, form.terms[0], form.power[0], inverse, inverse2);
-            value = choose(s_k <= law->until2[0], inner, value);
-        }
-        store(f + k, value);
-    }
+    for (size_t k = 0; k < count; k += DL_LANES)
+        store(f + k, shape_force(law, form, load(s + k)));
 }
 
 /* sum_{m<n} a^m b^(n-1-m), n known at compile time. */
@@ -229,7 +189,8 @@ static const struct {
     shape form;
     dl_law_loops loops;
 } specialised[] = {
-#define DL_SHAPE(name, ...) {__VA_ARGS__, {#name, name##_force, name##_discrete}},
+#define DL_SHAPE(name, ...)                                                                        \
+    {__VA_ARGS__, {#name, name##_force, name##_discrete, DL_VARIANT(dl_block_##name)}},
 #include "force/vector/law_shapes.def"
 #undef DL_SHAPE
 };
@@ -248,8 +209,8 @@ static bool fits(const dl_law *law, const shape *form) {
 }
 
 const dl_law_loops *DL_VARIANT(dl_loops_for)(const dl_law *law) {
-    static const dl_law_loops whole = {"whole powers", whole_force, whole_discrete};
-    static const dl_law_loops real = {"real powers", real_force, real_discrete};
+    static const dl_law_loops whole = {"whole powers", whole_force, whole_discrete, NULL};
+    static const dl_law_loops real = {"real powers", real_force, real_discrete, NULL};
     for (size_t k = 0; k < sizeof specialised / sizeof *specialised; k++)
         if (fits(law, &specialised[k].form))
             return &specialised[k].loops;

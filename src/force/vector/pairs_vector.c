@@ -5,17 +5,10 @@
  * In a periodic box separations are those of the nearest copies (force/box.h). A pair's discrete
  * force has a part for each copy that is within reach at the start or at the end of the step: the
  * copy nearest at the start, and, where that is another one, the copy nearest at the end. */
-#include "force/vector/vector.h"
+#include "force/vector/loop_form.h"
 
 /* Pairs gathered before the law is evaluated: the buffers stay in the first-level cache. */
 enum { CHUNK = 256 };
-
-/* What a loop is compiled for: one for each combination, so that what a scene lacks is not
- * branched on. */
-typedef struct loop_form {
-    int dimension;
-    bool coupled, periodic, discrete;
-} loop_form;
 
 typedef struct buffers {
     double *d[3]; /* separation r_i - r_j; for discrete loops d0 + d1 */
@@ -30,32 +23,6 @@ DL_INLINE buffers lay_out(double *memory, size_t length) {
                      memory + 4 * stride,
                      memory + 5 * stride,
                      memory + 6 * stride};
-}
-
-/* What the loops read, as a local copy: they write to arrays that the compiler cannot tell from
- * where these pointers and lengths lie. */
-typedef struct inputs {
-    const double *x[3], *delta[3];
-    dl_box box;
-} inputs;
-
-DL_INLINE inputs inputs_of(const dl_pair_arrays *p, loop_form form) {
-    return (inputs){
-        .x = {p->x[0], p->x[1], p->x[2]},
-        .delta = {p->delta[0], p->delta[1], p->delta[2]},
-        .box = form.periodic ? *p->box : (dl_box){{0}, {0}},
-    };
-}
-
-/* Nearest whole number, by the digits that 1.5 * 2^52 leaves; numbers beyond 2^51 stay near. */
-static const double whole_digits = 6755399441055744.0;
-
-DL_INLINE double shift_of(const dl_box *box, int c, double d) {
-    return box->length[c] * ((d * box->inverse[c] + whole_digits) - whole_digits);
-}
-
-DL_INLINE vector shifts_of(const dl_box *box, int c, vector d) {
-    return box->length[c] * ((d * box->inverse[c] + whole_digits) - whole_digits);
 }
 
 /* Lanes behind the last pair: distance 1, separation 0, so that they add nothing. */
@@ -324,39 +291,27 @@ DL_INLINE void block_rows(const dl_pair_arrays *p, const dl_pair_block *block, l
 
 /* --- one compiled loop a form ----------------------------------------------------------------- */
 
-/* make(name, dimension, coupled, periodic), in the order of index_of. */
-#define DL_FORMS(make)                                                                             \
-    make(flat, 2, false, false) make(solid, 3, false, false) make(flat_coupled, 2, true, false)    \
-        make(solid_coupled, 3, true, false) make(flat_periodic, 2, false, true)                    \
-            make(solid_periodic, 3, false, true) make(flat_coupled_periodic, 2, true, true)        \
-                make(solid_coupled_periodic, 3, true, true)
-
-static size_t index_of(const dl_pair_arrays *p) {
-    return (p->box ? 4U : 0U) + (p->coupling ? 2U : 0U) + (p->dimension == 3 ? 1U : 0U);
-}
-
-typedef void block_loop(const dl_pair_arrays *p, const dl_pair_block *block);
 typedef void list_loop(const dl_pair_arrays *p, const dl_neighbours *list);
 
 /* Functions of their own: in one that held them all, each would be short of registers. */
-#define DL_MAKE(name, ...)                                                                         \
+#define DL_MAKE(name, dimension, coupled, periodic, ...)                                           \
     static void block_##name(const dl_pair_arrays *p, const dl_pair_block *block) {                \
-        block_rows(p, block, (loop_form){__VA_ARGS__, false});                                     \
+        block_rows(p, block, (loop_form){dimension, coupled, periodic, false});                    \
     }                                                                                              \
     static void block_discrete_##name(const dl_pair_arrays *p, const dl_pair_block *block) {       \
-        block_rows(p, block, (loop_form){__VA_ARGS__, true});                                      \
+        block_rows(p, block, (loop_form){dimension, coupled, periodic, true});                     \
     }                                                                                              \
     static void list_##name(const dl_pair_arrays *p, const dl_neighbours *list) {                  \
-        list_rows(p, list, (loop_form){__VA_ARGS__, false});                                       \
+        list_rows(p, list, (loop_form){dimension, coupled, periodic, false});                      \
     }                                                                                              \
     static void list_discrete_##name(const dl_pair_arrays *p, const dl_neighbours *list) {         \
-        list_rows(p, list, (loop_form){__VA_ARGS__, true});                                        \
+        list_rows(p, list, (loop_form){dimension, coupled, periodic, true});                       \
     }
 DL_FORMS(DL_MAKE)
 #undef DL_MAKE
 
 static const struct {
-    block_loop *block, *block_discrete;
+    dl_block_loop *block, *block_discrete;
     list_loop *list, *list_discrete;
 } loops[] = {
 #define DL_ROW(name, ...) {block_##name, block_discrete_##name, list_##name, list_discrete_##name},
@@ -365,17 +320,18 @@ static const struct {
 };
 
 void DL_VARIANT(dl_block)(const dl_pair_arrays *p, const dl_pair_block *block) {
-    loops[index_of(p)].block(p, block);
+    size_t form = dl_loop_form(p);
+    (p->loops->block ? p->loops->block[form] : loops[form].block)(p, block);
 }
 
 void DL_VARIANT(dl_block_discrete)(const dl_pair_arrays *p, const dl_pair_block *block) {
-    loops[index_of(p)].block_discrete(p, block);
+    loops[dl_loop_form(p)].block_discrete(p, block);
 }
 
 void DL_VARIANT(dl_list)(const dl_pair_arrays *p, const dl_neighbours *list) {
-    loops[index_of(p)].list(p, list);
+    loops[dl_loop_form(p)].list(p, list);
 }
 
 void DL_VARIANT(dl_list_discrete)(const dl_pair_arrays *p, const dl_neighbours *list) {
-    loops[index_of(p)].list_discrete(p, list);
+    loops[dl_loop_form(p)].list_discrete(p, list);
 }
