@@ -91,13 +91,25 @@ static void add_axis(const grid *g, int c, const double *row, size_t particles, 
         }
 }
 
+/* Cells of more particles are taken anew at every build: several models have lists, and none
+ * builds while another does. */
+enum { KEEP_TO = 100000 };
+
+static void release_cells(dl_cells *cells) {
+    free(cells->cell_start);
+    free(cells->member);
+    free(cells->cell_of);
+    *cells = (dl_cells){0};
+}
+
 static dl_status reserve(dl_cells *cells, dl_list *list, const grid *g, size_t particles,
                          size_t moving, dl_error *error) {
     if (!cells->member) {
         cells->member = malloc(particles * sizeof(int));
         cells->cell_of = malloc(particles * sizeof(int));
-        list->start = malloc((moving + 1) * sizeof(int));
     }
+    if (!list->start)
+        list->start = malloc((moving + 1) * sizeof(int));
     if (cells->cell_capacity < g->total + 1) {
         free(cells->cell_start);
         cells->cell_start = malloc((g->total + 1) * sizeof(int));
@@ -224,13 +236,13 @@ dl_status dl_cells_build(dl_cells *cells, dl_list *list, const double *x, int di
             append_row(&b, i, NULL);
     }
     list->start[moving] = b.count;
+    if (particles > KEEP_TO)
+        release_cells(cells);
     return DL_OK;
 }
 
 void dl_cells_release(dl_cells *cells, dl_list *list) {
-    free(cells->cell_start);
-    free(cells->member);
-    free(cells->cell_of);
+    release_cells(cells);
     free(list->start);
     free(list->neighbour);
 }
