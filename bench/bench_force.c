@@ -23,9 +23,11 @@ static const char usage[] =
     "  --loop NAME    only runs the loop N times, for an instruction counter: steps of fluid, "
     "free,\n"
     "                 free-verlet, falling or stream, or of the loops by hand beside them\n"
-    "                 (free-by-hand, falling-by-hand, stream-by-hand), or swirl's forces; prints "
-    "its\n"
-    "                 units and the build\n";
+    "                 (free-by-hand, falling-by-hand, stream-by-hand), or of layer-1e4, "
+    "layer-1e5,\n"
+    "                 crystal-1e4, crystal-1e5 or crystal-1e6, or swirl's forces; prints its "
+    "units\n"
+    "                 and the build\n";
 
 typedef struct settings {
     bool quick, json, help;
@@ -156,10 +158,9 @@ static dl_status loop_run(const counted_loop *loop, size_t count, double *units,
     if (loop->by_hand)
         status = by_hand_run(scene, loop->by_hand, count, &seconds, NULL, error);
     else if (loop->method)
-{
+
         status = ours_run(scene, loop->method, count, &summary, NULL, error);
-fprintf(stderr,"%g ns builds %lu hits\n",summary.cpu_seconds*1e9/ *units, summary.neighbour_list_builds);
-}    else {
+    else {
         status = loop_forces(scene, count, error);
         *units *= (double)(n - 1); /* ordered pairs */
     }

@@ -174,10 +174,57 @@ static void whole_discrete(const dl_law *law, const double *s0, const double *s1
                     g[lane] = dl_law_discrete(law, s0[lane], s1[lane], ds[lane], NULL);
     }
 }
-static void real_force(const dl_law *law, const double *s, double *f, size_t count) {
+
+/* --- real powers ------------------------------------------------------------------------------ */
+
+static void real_force_one_by_one(const dl_law *law, const double *s, double *f, size_t count) {
     for (size_t k = 0; k < count; k++)
         f[k] = dl_law_force_over_r(law, s[k]);
 }
+
+#ifdef DL_HAVE_VECTOR_POW
+/* The C library's, of at most 4 units in the last place. */
+#if defined(DL_ISA_avx512)
+#define DL_VECTOR_POW _ZGVeN8vv_pow
+#elif defined(DL_ISA_avx2)
+#define DL_VECTOR_POW _ZGVdN4vv_pow
+#else
+#define DL_VECTOR_POW _ZGVbN2vv_pow
+#endif
+vector DL_VECTOR_POW(vector base, vector power);
+
+/* Lanes of a taper are done one by one: its force is a blend. */
+DL_INLINE lane_mask real_force_of(const dl_law *law, vector s, vector *value) {
+    lane_mask done = {0}, tapered = {0};
+    *value = splat(0);
+    for (int piece = 0; piece < law->pieces; piece++) {
+        lane_mask in = s <= law->until2[piece], within = in & ~done;
+        done = in;
+        if (!any_lane(within))
+            continue;
+        vector sum = splat(0);
+        for (int t = 0; t < law->terms[piece]; t++)
+            sum += law->coefficient[piece][t] *
+                   DL_VECTOR_POW(s, splat(-(law->power[piece][t] + 1) / 2));
+        *value = choose(within, sum, *value);
+        if (law->width[piece] > 0)
+            tapered |= within;
+    }
+    return tapered;
+}
+
+static void real_force(const dl_law *law, const double *s, double *f, size_t count) {
+    for (size_t k = 0; k < count; k += DL_LANES) {
+        vector value;
+        lane_mask tapered = real_force_of(law, load(s + k), &value);
+        store(f + k, value);
+        if (any_lane(tapered))
+            real_force_one_by_one(law, s + k, f + k, DL_LANES);
+    }
+}
+#else
+#define real_force real_force_one_by_one
+#endif
 
 static void real_discrete(const dl_law *law, const double *s0, const double *s1, const double *ds,
                           double *g, size_t count) {
