@@ -194,6 +194,65 @@ static void a_pair_has_its_bits_among_others(void **state) {
     dl_vector_force(NULL);
 }
 
+/* --- many particles in no order ----------------------------------------------------------------
+ */
+
+/* Rows of the list in the particles' own numbers: what visits them counts each pair once. */
+static double energy_of(dl_model *model, const double *y) {
+    dl_energy energy;
+    assert_int_equal(dl_model_energy(model, y, &energy, NULL), DL_OK);
+    return energy.pair;
+}
+
+/* A lattice that is numbered by leaps has the forces of the one that is numbered row by row: the
+ * first is put in order inside the kernel. */
+static void scattered_particles_have_the_same_forces(void **state) {
+    (void)state;
+    enum { side = 150, many = side * side };
+    double *y[2], *a[2], *mean[2], energy[2], size = 0;
+    for (int mixed = 0; mixed < 2; mixed++) {
+        dl_scene *scene = fixture_scene("many", 2, many);
+        dl_model *model;
+        scene->law = (dl_pair_law){1, {{.until = 0.25, .terms = 2, .term = {{-25, 2}, {50, 4}}}}};
+        y[mixed] = calloc(6 * many, sizeof(double));
+        a[mixed] = calloc(2 * many, sizeof(double));
+        mean[mixed] = calloc(2 * many, sizeof(double));
+        for (size_t k = 0; k < many; k++) {
+            const size_t at = mixed ? k * 10007 % many : k;
+            scene->coupling[at] = 1 + 0.25 * (double)(k % 2);
+            for (size_t c = 0; c < 2; c++) {
+                const double place = 0.23 * (double)(c ? k / side : k % side);
+                const double noise = fixture_noise((unsigned)(2 * k + c));
+                y[mixed][c * many + at] = place + 0.03 * noise;
+                y[mixed][(4 + c) * many + at] = 0.1 * noise;
+            }
+        }
+        scene->kernel = DL_KERNEL_NEIGHBOUR_LIST;
+        assert_int_equal(dl_model_create(scene, &model, NULL), DL_OK);
+        energy[mixed] = energy_of(model, y[mixed]);
+        assert_int_equal(dl_model_acceleration(model, y[mixed], a[mixed], NULL), DL_OK);
+        assert_int_equal(
+            dl_model_discrete_acceleration(model, y[mixed], y[mixed] + 4 * many, mean[mixed], NULL),
+            DL_OK);
+        dl_model_free(model);
+        dl_scene_free(scene);
+    }
+    assert_true(fabs(energy[1] - energy[0]) <= 1e-12 * fabs(energy[0]));
+    for (size_t k = 0; k < 2 * many; k++)
+        size = fmax(size, fmax(fabs(a[0][k]), fabs(mean[0][k])));
+    for (size_t c = 0; c < 2; c++)
+        for (size_t k = 0; k < many; k++) {
+            const size_t from = c * many + k, to = c * many + k * 10007 % many;
+            assert_true(fabs(a[0][from] - a[1][to]) <= 1e-13 * size);
+            assert_true(fabs(mean[0][from] - mean[1][to]) <= 1e-12 * size);
+        }
+    for (int mixed = 0; mixed < 2; mixed++) {
+        free(y[mixed]);
+        free(a[mixed]);
+        free(mean[mixed]);
+    }
+}
+
 /* --- long rows ---------------------------------------------------------------------------------
  */
 
@@ -268,6 +327,7 @@ int main(void) {
         cmocka_unit_test(real_powers_have_the_law_s_force),
         cmocka_unit_test(numbers_and_places_change_nothing),
         cmocka_unit_test(a_pair_has_its_bits_among_others),
+        cmocka_unit_test(scattered_particles_have_the_same_forces),
         cmocka_unit_test(rows_may_be_of_any_length),
         cmocka_unit_test(hits_are_found_wherever_they_are),
     };
