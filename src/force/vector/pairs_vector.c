@@ -131,7 +131,7 @@ DL_INLINE void keep_index(int *to, __mmask8 mask, __m256i index) {
 /* As gather, for a vector of pairs and of forces alone. */
 DL_INLINE void gather_lanes(const inputs *in, buffers b, loop_form form, double reach2,
                             const int *row, const int *neighbour, int count, gathered *pairs) {
-    __mmask8 there = count < 8 ? (__mmask8)((1U << count) - 1) : (__mmask8)0xff;
+    __mmask8 there = (__mmask8)(count < 8 ? (1U << count) - 1 : 0xffU);
     __m256i i = _mm256_maskz_loadu_epi32(there, row);
     __m256i j = _mm256_maskz_loadu_epi32(there, neighbour);
     size_t n = pairs->count;
