@@ -23,9 +23,11 @@ static const char usage[] =
     "  --loop NAME    only runs the loop N times, for an instruction counter: steps of fluid, "
     "free,\n"
     "                 free-verlet, falling or stream, or of the loops by hand beside them\n"
-    "                 (free-by-hand, falling-by-hand, stream-by-hand), or swirl's forces; prints "
-    "its\n"
-    "                 units and the build\n";
+    "                 (free-by-hand, falling-by-hand, stream-by-hand), or of layer-1e4, "
+    "layer-1e5,\n"
+    "                 crystal-1e4, crystal-1e5 or crystal-1e6, or swirl's forces; prints its "
+    "units\n"
+    "                 and the build\n";
 
 typedef struct settings {
     bool quick, json, help;
@@ -103,18 +105,34 @@ static bool sanitised(void) {
 typedef struct counted_loop {
     const char *name, *scene, *method;
     by_hand_loop *by_hand;
+    dl_let let[2]; /* of the scene's numbers; the others as its file says */
+    size_t lets;
 } counted_loop;
 
+#define DROP       DL_STUDIES "/drop/settled.yaml"
+#define FREE       DL_STUDIES "/leave-outs/free.yaml"
+#define FALLING    DL_STUDIES "/leave-outs/falling.yaml"
+#define STREAM     DL_STUDIES "/stream/stream.yaml"
+#define SWIRL      DL_STUDIES "/swirl/swirl.yaml"
+#define LAYER      DL_BENCH "/scenes/layer.yaml"
+#define CRYSTAL    DL_BENCH "/scenes/crystal.yaml"
+#define SIZE(a, b) .let = {{"columns", a}, {"rows", b}}, .lets = 2
+
 static const counted_loop loops[] = {
-    {"fluid", DL_STUDIES "/drop/settled.yaml", "leapfrog", NULL},
-    {"free", DL_STUDIES "/leave-outs/free.yaml", "leapfrog", NULL},
-    {"free-verlet", DL_STUDIES "/leave-outs/free.yaml", "composition-2-verlet", NULL},
-    {"free-by-hand", DL_STUDIES "/leave-outs/free.yaml", NULL, by_hand_free},
-    {"falling", DL_STUDIES "/leave-outs/falling.yaml", "leapfrog", NULL},
-    {"falling-by-hand", DL_STUDIES "/leave-outs/falling.yaml", NULL, by_hand_falling},
-    {"stream", DL_STUDIES "/stream/stream.yaml", "leapfrog", NULL},
-    {"stream-by-hand", DL_STUDIES "/stream/stream.yaml", NULL, by_hand_stream},
-    {"swirl", DL_STUDIES "/swirl/swirl.yaml", NULL, NULL}, /* forces */
+    {.name = "fluid", .scene = DROP, .method = "leapfrog"},
+    {.name = "free", .scene = FREE, .method = "leapfrog"},
+    {.name = "free-verlet", .scene = FREE, .method = "composition-2-verlet"},
+    {.name = "free-by-hand", .scene = FREE, .by_hand = by_hand_free},
+    {.name = "falling", .scene = FALLING, .method = "leapfrog"},
+    {.name = "falling-by-hand", .scene = FALLING, .by_hand = by_hand_falling},
+    {.name = "stream", .scene = STREAM, .method = "leapfrog"},
+    {.name = "stream-by-hand", .scene = STREAM, .by_hand = by_hand_stream},
+    {.name = "swirl", .scene = SWIRL}, /* forces */
+    {.name = "layer-1e4", .scene = LAYER, .method = "leapfrog", SIZE("1429", "7")},
+    {.name = "layer-1e5", .scene = LAYER, .method = "leapfrog", SIZE("14286", "7")},
+    {.name = "crystal-1e4", .scene = CRYSTAL, .method = "leapfrog", SIZE("108", "92")},
+    {.name = "crystal-1e5", .scene = CRYSTAL, .method = "leapfrog", SIZE("340", "294")},
+    {.name = "crystal-1e6", .scene = CRYSTAL, .method = "leapfrog", SIZE("1075", "930")},
 };
 
 static dl_status loop_forces(const dl_scene *scene, size_t count, dl_error *error) {
@@ -132,7 +150,7 @@ static dl_status loop_run(const counted_loop *loop, size_t count, double *units,
     dl_scene *scene = NULL;
     dl_run_summary summary;
     double seconds;
-    dl_status status = dl_scene_read(loop->scene, &scene, error);
+    dl_status status = dl_scene_read_let(loop->scene, loop->lets, loop->let, &scene, error);
     if (status)
         return status;
     const size_t n = scene->particles;
@@ -140,6 +158,7 @@ static dl_status loop_run(const counted_loop *loop, size_t count, double *units,
     if (loop->by_hand)
         status = by_hand_run(scene, loop->by_hand, count, &seconds, NULL, error);
     else if (loop->method)
+
         status = ours_run(scene, loop->method, count, &summary, NULL, error);
     else {
         status = loop_forces(scene, count, error);

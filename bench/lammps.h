@@ -17,6 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include "driftlab/model.h"
+#include "force/cells.h"
 #include "force/law.h"
 
 enum { LAMMPS_MAX_KINDS = 8, LAMMPS_TIME_LIMIT = 300 /* s */, LAMMPS_NOT_FOUND = 127 };
@@ -91,6 +92,11 @@ static void lammps_write_particles(FILE *out, const dl_scene *scene, const lammp
             low = fmin(low, x[c * n + i]);
             high = fmax(high, x[c * n + i]);
         }
+        const double period = scene->periods.length[c];
+        if (period > 0) {
+            low = scene->periods.low[c] + 1;
+            high = low + period - 2;
+        }
         fprintf(out, "%.17g %.17g %clo %chi\n", low - 1, high + 1, "xy"[c], "xy"[c]);
     }
     fprintf(out, "-0.25 0.25 zlo zhi\n\nMasses\n\n");
@@ -109,18 +115,51 @@ typedef struct lammps_range {
     double inner, outer;
 } lammps_range;
 
-/* From half the smallest distance to the cutoff, or so far that all pairs act throughout. */
-static lammps_range lammps_find_range(const dl_scene *scene, const dl_law *law) {
+static double lammps_distance(const dl_scene *scene, size_t i, size_t j) {
+    double d[2];
+    for (size_t c = 0; c < 2; c++) {
+        const double period = scene->periods.length[c];
+        d[c] =
+            scene->position[c * scene->particles + i] - scene->position[c * scene->particles + j];
+        if (period > 0)
+            d[c] -= period * nearbyint(d[c] / period);
+    }
+    return hypot(d[0], d[1]);
+}
+
+/* The smallest distance, of the pairs that a list has: all may be too many. */
+static dl_status lammps_find_nearest(const dl_scene *scene, double reach, double *nearest,
+                                     dl_error *error) {
+    dl_cells cells = {0};
+    dl_list list = {0};
+    dl_box box = {0};
+    for (int c = 0; c < 2; c++) {
+        box.length[c] = scene->periods.length[c];
+        box.inverse[c] = box.length[c] > 0 ? 1 / box.length[c] : 0;
+    }
     const size_t n = scene->particles;
-    double nearest = INFINITY, farthest = 0;
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = i + 1; j < n; j++) {
-            const double r = hypot(scene->position[i] - scene->position[j],
-                                   scene->position[n + i] - scene->position[n + j]);
-            nearest = fmin(nearest, r);
-            farthest = fmax(farthest, r);
-        }
-    return (lammps_range){nearest / 2, law->cut ? law->until[law->pieces - 1] : 1.5 * farthest};
+    const dl_status status = dl_cells_build(&cells, &list, scene->position, 2, n, n, reach,
+                                            scene->periods.present ? &box : NULL, error);
+    *nearest = reach;
+    for (size_t i = 0; i < n && !status; i++)
+        for (int k = list.start[i]; k < list.start[i + 1]; k++)
+            *nearest = fmin(*nearest, lammps_distance(scene, i, (size_t)list.neighbour[k]));
+    dl_cells_release(&cells, &list);
+    return status;
+}
+
+/* From half the smallest distance to the cutoff, or so far that all pairs act throughout. */
+static dl_status lammps_find_range(const dl_scene *scene, const dl_law *law, lammps_range *range,
+                                   dl_error *error) {
+    const size_t n = scene->particles;
+    double farthest = 0;
+    for (size_t i = 0; i < n && !law->cut; i++)
+        for (size_t j = i + 1; j < n; j++)
+            farthest = fmax(farthest, lammps_distance(scene, i, j));
+    range->outer = law->cut ? law->until[law->pieces - 1] : 1.5 * farthest;
+    const dl_status status = lammps_find_nearest(scene, range->outer, &range->inner, error);
+    range->inner /= 2;
+    return status;
 }
 
 static void lammps_write_law(FILE *out, const dl_law *law, const lammps_kinds *kinds,
@@ -177,8 +216,11 @@ static void lammps_write_input(FILE *out, const lammps_job *job, const lammps_ki
     const dl_walls *walls = &job->scene->walls;
     fprintf(out, "units lj\ndimension 2\nboundary");
     for (int c = 0; c < 2; c++)
-        fprintf(out, " %c%c", walls->present && isfinite(walls->low[c]) ? 'f' : 's',
-                walls->present && isfinite(walls->high[c]) ? 'f' : 's');
+        if (job->scene->periods.length[c] > 0)
+            fprintf(out, " p");
+        else
+            fprintf(out, " %c%c", walls->present && isfinite(walls->low[c]) ? 'f' : 's',
+                    walls->present && isfinite(walls->high[c]) ? 'f' : 's');
     fprintf(out, " p\nnewton on\natom_style atomic\nread_data particles\n");
     lammps_write_forces(out, job, kinds, range);
     fprintf(out,
@@ -198,7 +240,9 @@ static dl_status lammps_write_files(const lammps_job *job, const char *folder, d
     dl_law law;
     dl_status status = lammps_find_kinds(job->scene, &kinds, error);
     dl_law_prepare(&job->scene->law, &law);
-    const lammps_range range = lammps_find_range(job->scene, &law);
+    lammps_range range = {0, 0};
+    if (!status)
+        status = lammps_find_range(job->scene, &law, &range, error);
     for (int k = 0; k < 4 && !status; k++) {
         char path[PATH_MAX];
         snprintf(path, sizeof path, "%s/%s", folder, lammps_files[k]);

@@ -227,7 +227,8 @@ static void present_readme(FILE *out, const bench *all, const dl_results *proven
         return;
     fprintf(out, "\n## How LAMMPS's settings were found\n\nThe fastest whose forces are ours.\n");
     for (size_t p = 0; p < all->peers; p++)
-        present_trials(out, &all->peer[p]);
+        if (!all->peer[p].like)
+            present_trials(out, &all->peer[p]);
     fprintf(
         out,
         "\n## Instructions\n\n`bench/callgrind.sh` counts the instructions of these loops under "

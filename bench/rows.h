@@ -13,11 +13,12 @@
 #include "samples.h"
 
 enum {
-    BENCH_MAX_ROWS = 32,
+    BENCH_MAX_ROWS = 40,
     BENCH_MAX_TRIALS = 32,
     BENCH_SCENES = 5,
     BENCH_KERNEL_SCENES = 3,
-    BENCH_PEERS = 2
+    BENCH_LARGE = 5,
+    BENCH_PEERS = 2 + BENCH_LARGE
 };
 
 typedef struct effort {
@@ -26,10 +27,13 @@ typedef struct effort {
     size_t fluid_steps, swirl_steps;
     size_t scan_repeats;  /* of each candidate of LAMMPS; 0: the first that is equal physics */
     double by_hand_moves; /* of a particle by a step, in one measurement */
+    double large_moves;   /* the same of a large scene */
+    size_t largest;       /* particles of those that are measured */
+    size_t large_repeats; /* of those with more than 10^4 particles */
 } effort;
 
-static const effort effort_full = {15, 0.01, 30000, 500, 2, 1e7};
-static const effort effort_quick = {2, 0.0005, 500, 20, 0, 1e5};
+static const effort effort_full = {15, 0.01, 30000, 500, 2, 1e7, 4e7, 1000000, 3};
+static const effort effort_quick = {2, 0.0005, 500, 20, 0, 1e5, 1e5, 12000, 2};
 
 /* A candidate for LAMMPS's settings and what came of it. */
 typedef struct trial {
@@ -38,8 +42,10 @@ typedef struct trial {
     double force_difference;
 } trial;
 
-typedef struct peer {
+typedef struct peer peer;
+struct peer {
     const char *what;
+    const peer *like; /* whose table and skin it has; NULL: its own are looked for */
     lammps_job job;
     double units; /* in a run */
     char name[64];
@@ -48,8 +54,8 @@ typedef struct peer {
     lammps_result result; /* of the last run */
     double our_kinetic;   /* energy per particle after the same steps; NaN: not compared */
     unsigned long our_builds;
-    samples times; /* ns a unit */
-} peer;
+    samples times;  /* ns a unit */
+};
 
 typedef struct bench_row {
     const char *what, *unit;
@@ -63,6 +69,7 @@ typedef struct bench_row {
     by_hand_loop *by_hand;       /* in the place of the method; NULL: not */
     double units;                /* in a run or an evaluation */
     double target, target_ratio; /* ns a unit at most, ratio at least; 0: none */
+    size_t repeats;              /* at most; 0: all */
     ours_force force;
     samples times;           /* ns a unit */
     const samples *baseline; /* of the ratio; NULL or empty: none */
@@ -71,7 +78,7 @@ typedef struct bench_row {
 
 typedef struct bench {
     effort effort;
-    dl_scene *scene[BENCH_SCENES];
+    dl_scene *scene[BENCH_SCENES], *large[BENCH_LARGE];
     size_t rows;
     bench_row row[BENCH_MAX_ROWS];
     size_t peers;
@@ -187,8 +194,8 @@ static dl_status add_fluid(bench *all, dl_scene *scene, dl_error *error) {
                             .steps = steps,
                             .method = "leapfrog",
                             .units = units,
-                            .target = 14,
-                            .target_ratio = 29.0 / 14};
+                            .target = 12,
+                            .target_ratio = 2.4};
     const dl_status status = add_target_rows(all, like, lammps, error);
     all->peer_after[all->peers++] = all->rows - 1;
     return status;
@@ -206,10 +213,69 @@ static dl_status add_swirl(bench *all, dl_scene *scene, dl_error *error) {
                             .unit = "ns/ordered pair",
                             .scene = scene,
                             .units = pairs,
-                            .target = 1};
+                            .target = 0.4};
     const dl_status status = add_target_rows(all, like, lammps, error);
     all->peer_after[all->peers++] = all->rows - 1;
     return status;
+}
+
+/* --- large scenes --------------------------------------------------------------------------- */
+
+/* Scenes by rule; the peer's settings are found on the smallest of each kind. */
+typedef struct large_case {
+    const char *what, *file, *columns, *rows;
+    size_t particles;
+    double target; /* ns a particle and step */
+    int like;      /* place in this table; itself: settings of its own */
+} large_case;
+
+static const large_case large_cases[BENCH_LARGE] = {
+    {"leap-frog, layer, 10^4", "layer", "1429", "7", 10003, 14, 0},
+    {"leap-frog, layer, 10^5", "layer", "14286", "7", 100002, 16, 0},
+    {"leap-frog, crystal, 10^4", "crystal", "108", "92", 9936, 25, 2},
+    {"leap-frog, crystal, 10^5", "crystal", "340", "294", 99960, 28, 2},
+    {"leap-frog, crystal, 10^6", "crystal", "1075", "930", 999750, 33, 2},
+};
+
+static dl_status add_large(bench *all, size_t number, dl_error *error) {
+    const large_case *one = &large_cases[number];
+    const dl_let size[] = {{"columns", one->columns}, {"rows", one->rows}};
+    char file[512];
+    if (one->particles > all->effort.largest)
+        return DL_OK;
+    snprintf(file, sizeof file, "%s/scenes/%s.yaml", DL_BENCH, one->file);
+    const dl_status status = dl_scene_read_let(file, 2, size, &all->large[number], error);
+    if (status)
+        return status;
+    dl_scene *scene = all->large[number];
+    const size_t steps = (size_t)(all->effort.large_moves / (double)scene->particles) + 1;
+    const size_t repeats = scene->particles > 20000 ? all->effort.large_repeats : 0;
+    const double units = (double)(steps * scene->particles);
+    peer *lammps = &all->peer[all->peers];
+    *lammps = (peer){
+        .what = one->what,
+        .job = {.scene = scene, .drag = scene->walls.present ? fluid_drag : 0, .steps = steps},
+        .units = units,
+        .our_kinetic = NAN};
+    for (size_t p = 0; p < all->peers && one->like != (int)number; p++)
+        if (all->peer[p].what == large_cases[one->like].what)
+            lammps->like = &all->peer[p];
+    bench_row *row = &all->row[all->rows];
+    *row = (bench_row){.what = one->what,
+                       .unit = "ns/particle/step",
+                       .chosen = true,
+                       .isa = best_isa(),
+                       .scene = scene,
+                       .steps = steps,
+                       .method = "leapfrog",
+                       .units = units,
+                       .repeats = repeats,
+                       .target = one->target,
+                       .baseline = &lammps->times,
+                       .baseline_name = lammps->name};
+    snprintf(row->how, sizeof row->how, "neighbour-list, %s", row->isa);
+    all->peer_after[all->peers++] = all->rows++;
+    return DL_OK;
 }
 
 /* --- what is left out ----------------------------------------------------------------------- */
@@ -271,6 +337,8 @@ static dl_status bench_create(bench *all, effort how_long, dl_error *error) {
         status = add_fluid(all, all->scene[0], error);
     if (!status)
         status = add_swirl(all, all->scene[1], error);
+    for (size_t k = 0; k < BENCH_LARGE && !status; k++)
+        status = add_large(all, k, error);
     for (size_t k = 0; k < BENCH_KERNEL_SCENES && !status; k++)
         status = add_kernel_rows(all, all->scene[k], error);
     for (size_t k = 0; k < sizeof by_hand_cases / sizeof *by_hand_cases && !status; k++)
@@ -283,6 +351,8 @@ static void bench_release(bench *all) {
         ours_force_release(&all->row[k].force);
     for (size_t k = 0; k < BENCH_SCENES; k++)
         dl_scene_free(all->scene[k]);
+    for (size_t k = 0; k < BENCH_LARGE; k++)
+        dl_scene_free(all->large[k]);
 }
 
 /* --- LAMMPS's best settings ----------------------------------------------------------------- */
@@ -340,6 +410,12 @@ static dl_status peer_tune(peer *lammps, const effort *how_long, bool *found, dl
     const double cutoff = scene->law.piece[scene->law.pieces - 1].until;
     const size_t count = isfinite(cutoff) ? sizeof skins / sizeof *skins : 1;
     const size_t repeats = how_long->scan_repeats ? how_long->scan_repeats : 1;
+    if (lammps->like) {
+        lammps->job.table = lammps->like->job.table;
+        lammps->job.skin = lammps->like->job.skin;
+        memcpy(lammps->name, lammps->like->name, sizeof lammps->name);
+        return DL_OK;
+    }
     for (size_t t = 0; t < sizeof tables / sizeof *tables; t++)
         for (size_t s = 0; s < count; s++) {
             trial *one = &lammps->trial[lammps->trials];
@@ -405,6 +481,8 @@ static dl_status bench_repeat(bench *all, dl_error *error) {
     dl_status status = DL_OK;
     for (size_t k = 0; k < all->rows && !status; k++) {
         double time = 0;
+        if (all->row[k].repeats && all->row[k].times.count == all->row[k].repeats)
+            continue;
         status = row_measure(&all->row[k], &time, error);
         samples_add(&all->row[k].times, time);
         for (size_t p = 0; p < all->peers && !status && all->peer_found; p++)

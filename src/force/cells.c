@@ -91,19 +91,28 @@ static void add_axis(const grid *g, int c, const double *row, size_t particles, 
         }
 }
 
-static dl_status reserve(dl_cells *cells, dl_list *list, const grid *g, size_t particles,
-                         size_t moving, dl_error *error) {
+/* Cells of more particles are taken anew at every build: several models have lists, and none
+ * builds while another does. */
+enum { KEEP_TO = 100000 };
+
+static void release_cells(dl_cells *cells) {
+    free(cells->cell_start);
+    free(cells->member);
+    free(cells->cell_of);
+    *cells = (dl_cells){0};
+}
+
+static dl_status reserve(dl_cells *cells, const grid *g, size_t particles, dl_error *error) {
     if (!cells->member) {
         cells->member = malloc(particles * sizeof(int));
         cells->cell_of = malloc(particles * sizeof(int));
-        list->start = malloc((moving + 1) * sizeof(int));
     }
     if (cells->cell_capacity < g->total + 1) {
         free(cells->cell_start);
         cells->cell_start = malloc((g->total + 1) * sizeof(int));
         cells->cell_capacity = cells->cell_start ? g->total + 1 : 0;
     }
-    if (!cells->member || !cells->cell_of || !list->start || !cells->cell_start)
+    if (!cells->member || !cells->cell_of || !cells->cell_start)
         return dl_fail_memory(error, "the cells of the neighbour list");
     return DL_OK;
 }
@@ -201,17 +210,36 @@ static inline void append_row(build *b, size_t i, const dl_box *box) {
         }
 }
 
-dl_status dl_cells_build(dl_cells *cells, dl_list *list, const double *x, int dimension,
-                         size_t particles, size_t moving, double reach, const dl_box *box,
-                         dl_error *error) {
+/* *g: the grid that the cells are of. */
+static dl_status lay_cells(dl_cells *cells, grid *g, const double *x, int dimension,
+                           size_t particles, double reach, const dl_box *box, dl_error *error) {
     dl_status status = check_finite(x, dimension, particles, error);
     if (status != DL_OK)
         return status;
-    grid g = lay_grid(x, dimension, particles, reach, box);
-    status = reserve(cells, list, &g, particles, moving, error);
+    *g = lay_grid(x, dimension, particles, reach, box);
+    status = reserve(cells, g, particles, error);
+    if (status == DL_OK)
+        fill_cells(cells, g, x, dimension, particles);
+    return status;
+}
+
+dl_status dl_cells_fill(dl_cells *cells, const double *x, int dimension, size_t particles,
+                        double reach, const dl_box *box, dl_error *error) {
+    grid g;
+    return lay_cells(cells, &g, x, dimension, particles, reach, box, error);
+}
+
+dl_status dl_cells_build(dl_cells *cells, dl_list *list, const double *x, int dimension,
+                         size_t particles, size_t moving, double reach, const dl_box *box,
+                         dl_error *error) {
+    grid g;
+    dl_status status = lay_cells(cells, &g, x, dimension, particles, reach, box, error);
     if (status != DL_OK)
         return status;
-    fill_cells(cells, &g, x, dimension, particles);
+    if (!list->start)
+        list->start = malloc((moving + 1) * sizeof(int));
+    if (!list->start)
+        return dl_fail_memory(error, "the neighbour list");
     build b = {cells, list, &g, x, dimension, particles, reach * reach, 0};
     for (size_t i = 0; i < moving; i++) {
         list->start[i] = b.count;
@@ -224,13 +252,13 @@ dl_status dl_cells_build(dl_cells *cells, dl_list *list, const double *x, int di
             append_row(&b, i, NULL);
     }
     list->start[moving] = b.count;
+    if (particles > KEEP_TO)
+        release_cells(cells);
     return DL_OK;
 }
 
 void dl_cells_release(dl_cells *cells, dl_list *list) {
-    free(cells->cell_start);
-    free(cells->member);
-    free(cells->cell_of);
+    release_cells(cells);
     free(list->start);
     free(list->neighbour);
 }

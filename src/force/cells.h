@@ -27,6 +27,9 @@ typedef struct dl_list {
 dl_status dl_cells_build(dl_cells *cells, dl_list *list, const double *x, int dimension,
                          size_t particles, size_t moving, double reach, const dl_box *box,
                          dl_error *error);
+/* Sorts the particles by cell (`member`). The same failure. */
+dl_status dl_cells_fill(dl_cells *cells, const double *x, int dimension, size_t particles,
+                        double reach, const dl_box *box, dl_error *error);
 void dl_cells_release(dl_cells *cells, dl_list *list);
 
 #endif

@@ -6,6 +6,7 @@
 #include <string.h>
 #include "force/cells.h"
 #include "force/kernel.h"
+#include "force/list_order.h"
 #include "force/list_parts.h"
 #include "force/pair_alone.h"
 
@@ -17,7 +18,11 @@ typedef struct list_data {
     dl_cells cells;
     dl_list list;
     dl_list_parts parts; /* of the list, where species differ */
+    dl_list_order order; /* of many particles that lie scattered in memory; the list is in it */
+    dl_list own_rows;    /* then: the list in the particles' own order, where it is asked for */
+    unsigned long own_generation; /* of own_rows: list_builds */
     double reach, half_skin;
+    double built_reach; /* of the list as it is */
     bool built;
     double *origin; /* positions at the last build */
     double *end;    /* x + delta of a discrete force */
@@ -49,6 +54,8 @@ static void destroy(dl_kernel *kernel) {
         return;
     dl_cells_release(&data->cells, &data->list);
     dl_list_parts_release(&data->parts);
+    dl_list_order_release(&data->order);
+    dl_cells_release(&(dl_cells){0}, &data->own_rows);
     free(data->origin);
     free(data->end);
     free(data->buffer);
@@ -68,6 +75,38 @@ static bool still_valid(const dl_kernel *kernel, const double *x) {
     components(p, data->origin, then);
     return data->built &&
            !kernel->vector->moved(now, then, p->dimension, p->particles, data->half_skin);
+}
+
+/* The problem in the order that the list is in. */
+static const dl_pair_problem *ordered(const dl_kernel *kernel) {
+    const list_data *data = kernel->data;
+    return data->order.particle ? &data->order.problem : &kernel->problem;
+}
+
+static dl_status build_ordered(dl_kernel *kernel, const double *x, dl_error *error) {
+    list_data *data = kernel->data;
+    const dl_pair_problem *p = &kernel->problem;
+    dl_status status =
+        dl_list_order_set(&data->order, p, &data->cells, x, data->built_reach, error);
+    if (status != DL_OK)
+        return status;
+    dl_list_order_gather(&data->order, x, data->order.x);
+    return dl_cells_build(&data->cells, &data->list, data->order.x, p->dimension, p->particles,
+                          p->moving, data->built_reach, p->box, error);
+}
+
+/* Once an order has paid it is kept up, build by build. */
+static dl_status build_list(dl_kernel *kernel, const double *x, dl_error *error) {
+    list_data *data = kernel->data;
+    const dl_pair_problem *p = &kernel->problem;
+    if (data->order.particle)
+        return build_ordered(kernel, x, error);
+    const dl_status status =
+        dl_cells_build(&data->cells, &data->list, x, p->dimension, p->particles, p->moving,
+                       data->built_reach, p->box, error);
+    if (status != DL_OK || !dl_list_is_scattered(&data->list, p))
+        return status;
+    return build_ordered(kernel, x, error);
 }
 
 /* A list around x that also holds whatever acts at `end`: the reach grows by twice the way there
@@ -92,10 +131,10 @@ static dl_status build(dl_kernel *kernel, const double *x, const double *end, dl
         reach += fmax(0, 2 * sqrt(longest) - data->half_skin);
     }
     data->built = false;
-    dl_status status = dl_cells_build(&data->cells, &data->list, x, p->dimension, p->particles,
-                                      p->moving, reach, p->box, error);
+    data->built_reach = reach;
+    dl_status status = build_list(kernel, x, error);
     if (status == DL_OK)
-        status = dl_list_parts_fill(p, &data->list, &data->parts, error);
+        status = dl_list_parts_fill(ordered(kernel), &data->list, &data->parts, error);
     if (status != DL_OK)
         return status;
     memcpy(data->origin, x, block * sizeof *x);
@@ -122,14 +161,15 @@ static dl_status refresh_step(dl_kernel *kernel, const double *x, const double *
 
 typedef void list_loop(const dl_pair_arrays *arrays, const dl_neighbours *neighbours);
 
-static void sum_pairs(const dl_kernel *kernel, const double *x, const double *delta, double *f) {
-    const dl_pair_problem *p = &kernel->problem;
+/* x, delta and f in the list's order. */
+static void sum_ordered(const dl_kernel *kernel, const double *x, const double *delta, double *f) {
+    const dl_pair_problem *p = ordered(kernel);
     const list_data *data = kernel->data;
     list_loop *loop = delta ? kernel->vector->list_discrete : kernel->vector->list;
+    const int moving = (int)p->moving;
     dl_pair_arrays pairs = {
         .dimension = p->dimension,
         .particles = p->particles,
-        .moving = p->moving,
         .coupling = p->coupling,
         .buffer = data->buffer,
         .box = p->box,
@@ -143,14 +183,28 @@ static void sum_pairs(const dl_kernel *kernel, const double *x, const double *de
         pairs.f[c] = f + (size_t)c * p->particles;
     memset(f, 0, (size_t)p->dimension * p->particles * sizeof *f);
     if (data->parts.count == 0)
-        loop(&pairs, &(dl_neighbours){data->list.start, data->list.neighbour});
+        loop(&pairs, &(dl_neighbours){data->list.start, data->list.neighbour, 0, moving, true});
     for (size_t k = 0; k < data->parts.count; k++) {
         const dl_list *part = &data->parts.part[k];
         pairs.law = &p->law[k];
         pairs.loops = kernel->loops[k];
         if (pairs.law->pieces > 0)
-            loop(&pairs, &(dl_neighbours){part->start, part->neighbour});
+            loop(&pairs, &(dl_neighbours){part->start, part->neighbour, 0, moving, true});
     }
+}
+
+static void sum_pairs(const dl_kernel *kernel, const double *x, const double *delta, double *f) {
+    const list_data *data = kernel->data;
+    const dl_list_order *order = &data->order;
+    if (!order->particle) {
+        sum_ordered(kernel, x, delta, f);
+        return;
+    }
+    dl_list_order_gather(order, x, order->x);
+    if (delta)
+        dl_list_order_gather(order, delta, order->delta);
+    sum_ordered(kernel, order->x, delta ? order->delta : NULL, order->f);
+    dl_list_order_scatter(order, f);
 }
 
 static dl_status force(dl_kernel *kernel, const double *x, double *f, dl_error *error) {
@@ -175,16 +229,35 @@ static void pair(dl_kernel *kernel, const double *x, const double *delta, size_t
     list_loop *loop = delta ? kernel->vector->list_discrete : kernel->vector->list;
     dl_pair_alone alone;
     dl_pair_alone_load(kernel, x, delta, i, j, data->buffer, &alone);
-    loop(&alone.arrays, &(dl_neighbours){start, neighbour});
+    loop(&alone.arrays, &(dl_neighbours){start, neighbour, 0, 1, true});
     for (int c = 0; c < kernel->problem.dimension; c++)
         f[c] = alone.f[c][0];
+}
+
+/* The list in the particles' own order, where it is in another. */
+static dl_status find_own_rows(dl_kernel *kernel, dl_error *error) {
+    list_data *data = kernel->data;
+    const dl_pair_problem *p = &kernel->problem;
+    if (data->own_generation == kernel->list_builds)
+        return DL_OK;
+    const dl_status status =
+        dl_cells_build(&data->cells, &data->own_rows, data->origin, p->dimension, p->particles,
+                       p->moving, data->built_reach, p->box, error);
+    if (status == DL_OK)
+        data->own_generation = kernel->list_builds;
+    return status;
 }
 
 static dl_status rows(dl_kernel *kernel, const double *x, const double *delta, dl_pair_rows *out,
                       dl_error *error) {
     const list_data *data = kernel->data;
     dl_status status = delta ? refresh_step(kernel, x, delta, error) : refresh(kernel, x, error);
-    *out = (dl_pair_rows){data->list.start, data->list.neighbour, kernel->list_builds};
+    const dl_list *list = &data->list;
+    if (status == DL_OK && data->order.particle) {
+        status = find_own_rows(kernel, error);
+        list = &data->own_rows;
+    }
+    *out = (dl_pair_rows){list->start, list->neighbour, kernel->list_builds};
     return status;
 }
 

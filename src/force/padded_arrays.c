@@ -71,7 +71,6 @@ dl_status dl_padded_load(dl_kernel *kernel, dl_padded_arrays *arrays, const doub
     *pairs = (dl_pair_arrays){
         .dimension = p->dimension,
         .particles = n,
-        .moving = p->moving,
         .coupling = arrays->coupling ? arrays->coupling : p->coupling,
         .buffer = arrays->buffer,
         .box = p->box,

@@ -7,7 +7,6 @@ void dl_pair_alone_load(const dl_kernel *kernel, const double *x, const double *
     *alone = (dl_pair_alone){
         .arrays = {.dimension = p->dimension,
                    .particles = 2,
-                   .moving = 1,
                    .buffer = buffer,
                    .box = p->box,
                    .law = &p->law[law],

@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include "force/box.h"
 #include "force/law.h"
 
@@ -19,24 +20,19 @@ typedef void dl_law_loop(const dl_law *law, const double *s, double *f, size_t c
 typedef void dl_discrete_loop(const dl_law *law, const double *s0, const double *s1,
                               const double *ds, double *g, size_t count);
 
-/* The law's loops: those specialised for its powers where there are such. */
-typedef struct dl_law_loops {
-    const char *name;
-    dl_law_loop *force;
-    dl_discrete_loop *discrete;
-} dl_law_loops;
+typedef struct dl_law_loops dl_law_loops;
 
 /* Positions and forces of the particles, one padded array a component. */
 typedef struct dl_pair_arrays {
     int dimension;
-    size_t particles, moving; /* of a list: pairs (i, j) with i < moving, i < j */
-    const double *coupling;   /* [particles + pad], NULL: all 1 */
-    const double *x[3];       /* positions */
-    const double *delta[3];   /* displacements over a step; discrete loops only */
-    double *f[3];             /* forces, added to */
-    double *buffer;           /* dl_row_buffer_size(particles) doubles */
-    const dl_box *box;        /* NULL: nothing is periodic */
-    const dl_law *law;        /* of the pairs that the call is for */
+    size_t particles;
+    const double *coupling; /* [particles + pad], NULL: all 1 */
+    const double *x[3];     /* positions */
+    const double *delta[3]; /* displacements over a step; discrete loops only */
+    double *f[3];           /* forces, added to */
+    double *buffer;         /* dl_row_buffer_size(particles) doubles */
+    const dl_box *box;      /* NULL: nothing is periodic */
+    const dl_law *law;      /* of the pairs that the call is for */
     const dl_law_loops *loops;
 } dl_pair_arrays;
 
@@ -45,9 +41,30 @@ typedef struct dl_pair_block {
     size_t begin, end, partners_begin, partners_end;
 } dl_pair_block;
 
-/* Neighbour rows: j of row i in neighbour[start[i]] ... neighbour[start[i + 1] - 1], j > i. */
+typedef void dl_block_loop(const dl_pair_arrays *arrays, const dl_pair_block *block);
+
+enum { dl_loop_forms = 8 };
+
+/* Of the loops compiled for what a scene has: its place among them. */
+static inline size_t dl_loop_form(const dl_pair_arrays *arrays) {
+    return (arrays->box ? 4U : 0U) + (arrays->coupling ? 2U : 0U) +
+           (arrays->dimension == 3 ? 1U : 0U);
+}
+
+/* The law's loops: those specialised for its powers where there are such. */
+struct dl_law_loops {
+    const char *name;
+    dl_law_loop *force;
+    dl_discrete_loop *discrete;
+    dl_block_loop *const *block; /* [dl_loop_forms]: the force over blocks; NULL: by `force` */
+};
+
+/* Neighbour rows begin <= i < end: j of row i in neighbour[start[i]] ... neighbour[start[i + 1] -
+ * 1]. Their forces are added to both particles, or to i alone. */
 typedef struct dl_neighbours {
     const int *start, *neighbour;
+    int begin, end;
+    bool both;
 } dl_neighbours;
 
 struct dl_expansion_ops;
@@ -67,6 +84,10 @@ typedef struct dl_vector_ops {
     bool (*finish)(const double *f, const double *scale, double g, const double *mask, double *a,
                    size_t count);
     const struct dl_expansion_ops *expansions; /* force/expansion.h */
+    /* Bit k of count <= 64: x[k] < low or x[k] > high. */
+    uint64_t (*outside)(const double *x, double low, double high, size_t count);
+    /* 1/sqrt(s) as the loops have it, for tests. */
+    void (*inverse_sqrt)(const double *s, double *root, size_t count);
 } dl_vector_ops;
 
 /* Doubles of scratch that the row loops need. */

@@ -2,20 +2,29 @@
  * part of its velocity (TR323, section III; its program tests the high side first). One that has
  * crossed the box several times within a step is reflected as often. */
 #include <math.h>
+#include <stdint.h>
 #include "model/contact.h"
 #include "model/private.h"
 
-bool dl_model_outside(const dl_model *model, const double *q) {
+/* Particles that are looked at in one go: as many as a word has bits. */
+enum { BLOCK = 64 };
+
+/* Bit k: particle first + k is beyond a wall. Few are, so that looking must be cheap. */
+static uint64_t find_outside(const dl_model *model, const double *q, size_t first) {
     const dl_walls *walls = &model->scene->walls;
-    for (size_t c = 0; c < (size_t)model->dimension; c++) {
-        const double *x = q + c * model->moving;
-        double low = walls->low[c], high = walls->high[c];
-        bool outside = false;
-        for (size_t k = 0; k < model->moving; k++)
-            outside |= (x[k] < low) | (x[k] > high);
-        if (outside)
+    const size_t left = model->moving - first, count = left < BLOCK ? left : BLOCK;
+    uint64_t outside = 0;
+    for (size_t c = 0; c < (size_t)model->dimension; c++)
+        if (isfinite(walls->low[c]) || isfinite(walls->high[c]))
+            outside |= model->priv->vector->outside(q + c * model->moving + first, walls->low[c],
+                                                    walls->high[c], count);
+    return outside;
+}
+
+bool dl_model_outside(const dl_model *model, const double *q) {
+    for (size_t first = 0; first < model->moving; first += BLOCK)
+        if (find_outside(model, q, first))
             return true;
-    }
     return false;
 }
 
@@ -72,10 +81,15 @@ static size_t mirror_axis(const dl_model *model, double *q, double *v, size_t k,
     return 1;
 }
 
+static size_t lowest_bit(uint64_t bits) {
+    return (size_t)__builtin_ctzll(bits);
+}
+
 size_t dl_model_mirror(const dl_model *model, double *q, double *v) {
     size_t hits = 0;
-    for (size_t k = 0; k < model->moving; k++)
-        for (size_t c = 0; c < (size_t)model->dimension; c++)
-            hits += mirror_axis(model, q, v, k, c);
+    for (size_t first = 0; first < model->moving; first += BLOCK)
+        for (uint64_t left = find_outside(model, q, first); left; left &= left - 1)
+            for (size_t c = 0; c < (size_t)model->dimension; c++)
+                hits += mirror_axis(model, q, v, first + lowest_bit(left), c);
     return hits;
 }

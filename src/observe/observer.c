@@ -15,7 +15,7 @@ struct dl_observer {
     dl_model *model;
     double *y;        /* [2 * unknowns] */
     double *y_before; /* [2 * unknowns]: before the jump under way */
-    double *y_all;    /* [2 * dimension * particles] */
+    double *y_all;    /* [2 * dimension * particles]; NULL: nothing is pinned, and y is it */
     double *own_y;    /* both in a frame of the method's own; NULL: none yet */
     quantities start; /* at t = 0 */
     long double ledger;
@@ -41,9 +41,10 @@ dl_status dl_observer_create(const dl_scene *scene, bool ledger, dl_observer **o
     const dl_model *model = created->model;
     created->y = malloc(2 * model->unknowns * sizeof *created->y);
     created->y_before = malloc(2 * model->unknowns * sizeof *created->y_before);
-    created->y_all =
-        malloc(2 * (size_t)model->dimension * model->particles * sizeof *created->y_all);
-    if (!created->y || !created->y_before || !created->y_all) {
+    if (model->has_pins)
+        created->y_all =
+            malloc(2 * (size_t)model->dimension * model->particles * sizeof *created->y_all);
+    if (!created->y || !created->y_before || (model->has_pins && !created->y_all)) {
         dl_observer_free(created);
         return dl_fail_memory(error, "the observation of a run");
     }
@@ -88,14 +89,22 @@ static dl_status take_state(dl_observer *observer, dl_method *method, double *y,
     return status;
 }
 
-/* Of a state y in a frame that moves with `frame`; y_all is it, expanded. */
+/* The state y over all particles: y itself where nothing is pinned, or else y_all. */
+static const double *over_all(const dl_model *model, const double *y, double *y_all) {
+    if (!model->has_pins)
+        return y;
+    dl_model_expand(model, y, y_all);
+    return y_all;
+}
+
+/* Of a state y in a frame that moves with `frame`; y_all has room for it over all particles. */
 static dl_status measure_in(dl_observer *observer, const double *y, double *y_all,
                             const double frame[3], quantities *measured, dl_error *error) {
     const dl_status status = dl_model_energy(observer->model, y, &measured->energy, error);
     if (status)
         return status;
-    dl_model_expand(observer->model, y, y_all);
-    measured->kinetic = kinetic_energy(observer->model->scene, y_all, frame);
+    measured->kinetic =
+        kinetic_energy(observer->model->scene, over_all(observer->model, y, y_all), frame);
     if (dl_model_conserves_linear_momentum(observer->model) ||
         dl_model_conserves_angular_momentum(observer->model))
         dl_model_momentum(observer->model, y, measured->linear, measured->angular);
@@ -107,7 +116,7 @@ static dl_status measure_in(dl_observer *observer, const double *y, double *y_al
 static dl_status measure_own_frame(dl_observer *observer, const dl_method *method,
                                    quantities *measured, dl_error *error) {
     const dl_model *model = observer->model;
-    const size_t all = 2 * (size_t)model->dimension * model->particles;
+    const size_t all = model->has_pins ? 2 * (size_t)model->dimension * model->particles : 0;
     double frame[3];
     if (!observer->own_y)
         observer->own_y = malloc((2 * model->unknowns + all) * sizeof *observer->own_y);
@@ -135,7 +144,7 @@ static dl_status measure(dl_observer *observer, dl_method *method, quantities *m
     if (!method->row->ops->own_frame || !dl_model_is_galilean_invariant(model) ||
         model->has_gravity)
         return measure_in(observer, observer->y, observer->y_all, at_rest, measured, error);
-    dl_model_expand(model, observer->y, observer->y_all);
+    over_all(model, observer->y, observer->y_all);
     return measure_own_frame(observer, method, measured, error);
 }
 
@@ -195,7 +204,7 @@ dl_status dl_observer_sample(dl_observer *observer, dl_method *method, double ti
     if (observer->missed)
         sample->ledger = sample->energy_error = sample->momentum_error =
             sample->angular_momentum_error = NAN;
-    sample->y_all = observer->y_all;
+    sample->y_all = observer->model->has_pins ? observer->y_all : observer->y;
     return DL_OK;
 }
 

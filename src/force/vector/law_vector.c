@@ -1,51 +1,11 @@
 /* Loops over squared distances. With the powers known at compile time (law_shapes.def) a term is a
  * few multiplications; other whole powers loop; real powers call pow. */
 #include "force/law_taper.h"
-#include "force/vector/vector.h"
-
-typedef struct shape {
-    int pieces;
-    bool cut;
-    int terms[2];
-    int power[2][2];
-} shape;
-
-/* inverse^n with inverse = 1/r and inverse2 = 1/r^2; n known at compile time costs log2(n). */
-DL_INLINE vector whole_power(vector inverse, vector inverse2, int n) {
-    vector result = n & 1 ? inverse : splat(1);
-    vector square = inverse2;
-#pragma GCC unroll 6
-    for (int m = n >> 1; m > 0; m >>= 1) {
-        if (m & 1)
-            result *= square;
-        square *= square;
-    }
-    return result;
-}
-
-DL_INLINE vector piece_force(const dl_law *law, int piece, int terms, const int *power,
-                             vector inverse, vector inverse2) {
-    vector sum = splat(0);
-#pragma GCC unroll 4
-    for (int t = 0; t < terms; t++)
-        sum += law->coefficient[piece][t] * whole_power(inverse, inverse2, power[t] + 1);
-    return sum;
-}
+#include "force/vector/law_shape.h"
 
 DL_INLINE void force_loop(const dl_law *law, shape form, const double *s, double *f, size_t count) {
-    for (size_t k = 0; k < count; k += DL_LANES) {
-        vector s_k = load(s + k), inverse = inverse_sqrt(s_k), inverse2 = inverse * inverse;
-        int last = form.pieces - 1;
-        vector value =
-            piece_force(law, last, form.terms[last], form.power[last], inverse, inverse2);
-        if (form.cut)
-            value = choose(s_k <= law->until2[last], value, splat(0));
-        if (form.pieces == 2) {
-            vector inner = piece_force(law, 0, form.terms[0], form.power[0], inverse, inverse2);
-            value = choose(s_k <= law->until2[0], inner, value);
-        }
-        store(f + k, value);
-    }
+    for (size_t k = 0; k < count; k += DL_LANES)
+        store(f + k, shape_force(law, form, load(s + k)));
 }
 
 /* sum_{m<n} a^m b^(n-1-m), n known at compile time. */
@@ -214,10 +174,57 @@ static void whole_discrete(const dl_law *law, const double *s0, const double *s1
                     g[lane] = dl_law_discrete(law, s0[lane], s1[lane], ds[lane], NULL);
     }
 }
-static void real_force(const dl_law *law, const double *s, double *f, size_t count) {
+
+/* --- real powers ------------------------------------------------------------------------------ */
+
+static void real_force_one_by_one(const dl_law *law, const double *s, double *f, size_t count) {
     for (size_t k = 0; k < count; k++)
         f[k] = dl_law_force_over_r(law, s[k]);
 }
+
+#ifdef DL_HAVE_VECTOR_POW
+/* The C library's, of at most 4 units in the last place. */
+#if defined(DL_ISA_avx512)
+#define DL_VECTOR_POW _ZGVeN8vv_pow
+#elif defined(DL_ISA_avx2)
+#define DL_VECTOR_POW _ZGVdN4vv_pow
+#else
+#define DL_VECTOR_POW _ZGVbN2vv_pow
+#endif
+vector DL_VECTOR_POW(vector base, vector power);
+
+/* Lanes of a taper are done one by one: its force is a blend. */
+DL_INLINE lane_mask real_force_of(const dl_law *law, vector s, vector *value) {
+    lane_mask done = {0}, tapered = {0};
+    *value = splat(0);
+    for (int piece = 0; piece < law->pieces; piece++) {
+        lane_mask in = s <= law->until2[piece], within = in & ~done;
+        done = in;
+        if (!any_lane(within))
+            continue;
+        vector sum = splat(0);
+        for (int t = 0; t < law->terms[piece]; t++)
+            sum += law->coefficient[piece][t] *
+                   DL_VECTOR_POW(s, splat(-(law->power[piece][t] + 1) / 2));
+        *value = choose(within, sum, *value);
+        if (law->width[piece] > 0)
+            tapered |= within;
+    }
+    return tapered;
+}
+
+static void real_force(const dl_law *law, const double *s, double *f, size_t count) {
+    for (size_t k = 0; k < count; k += DL_LANES) {
+        vector value;
+        lane_mask tapered = real_force_of(law, load(s + k), &value);
+        store(f + k, value);
+        if (any_lane(tapered))
+            real_force_one_by_one(law, s + k, f + k, DL_LANES);
+    }
+}
+#else
+#define real_force real_force_one_by_one
+#endif
 
 static void real_discrete(const dl_law *law, const double *s0, const double *s1, const double *ds,
                           double *g, size_t count) {
@@ -229,7 +236,8 @@ static const struct {
     shape form;
     dl_law_loops loops;
 } specialised[] = {
-#define DL_SHAPE(name, ...) {__VA_ARGS__, {#name, name##_force, name##_discrete}},
+#define DL_SHAPE(name, ...)                                                                        \
+    {__VA_ARGS__, {#name, name##_force, name##_discrete, DL_VARIANT(dl_block_##name)}},
 #include "force/vector/law_shapes.def"
 #undef DL_SHAPE
 };
@@ -248,8 +256,8 @@ static bool fits(const dl_law *law, const shape *form) {
 }
 
 const dl_law_loops *DL_VARIANT(dl_loops_for)(const dl_law *law) {
-    static const dl_law_loops whole = {"whole powers", whole_force, whole_discrete};
-    static const dl_law_loops real = {"real powers", real_force, real_discrete};
+    static const dl_law_loops whole = {"whole powers", whole_force, whole_discrete, NULL};
+    static const dl_law_loops real = {"real powers", real_force, real_discrete, NULL};
     for (size_t k = 0; k < sizeof specialised / sizeof *specialised; k++)
         if (fits(law, &specialised[k].form))
             return &specialised[k].loops;

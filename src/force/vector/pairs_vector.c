@@ -5,17 +5,10 @@
  * In a periodic box separations are those of the nearest copies (force/box.h). A pair's discrete
  * force has a part for each copy that is within reach at the start or at the end of the step: the
  * copy nearest at the start, and, where that is another one, the copy nearest at the end. */
-#include "force/vector/vector.h"
+#include "force/vector/loop_form.h"
 
 /* Pairs gathered before the law is evaluated: the buffers stay in the first-level cache. */
 enum { CHUNK = 256 };
-
-/* What a loop is compiled for: one for each combination, so that what a scene lacks is not
- * branched on. */
-typedef struct loop_form {
-    int dimension;
-    bool coupled, periodic, discrete;
-} loop_form;
 
 typedef struct buffers {
     double *d[3]; /* separation r_i - r_j; for discrete loops d0 + d1 */
@@ -30,32 +23,6 @@ DL_INLINE buffers lay_out(double *memory, size_t length) {
                      memory + 4 * stride,
                      memory + 5 * stride,
                      memory + 6 * stride};
-}
-
-/* What the loops read, as a local copy: they write to arrays that the compiler cannot tell from
- * where these pointers and lengths lie. */
-typedef struct inputs {
-    const double *x[3], *delta[3];
-    dl_box box;
-} inputs;
-
-DL_INLINE inputs inputs_of(const dl_pair_arrays *p, loop_form form) {
-    return (inputs){
-        .x = {p->x[0], p->x[1], p->x[2]},
-        .delta = {p->delta[0], p->delta[1], p->delta[2]},
-        .box = form.periodic ? *p->box : (dl_box){{0}, {0}},
-    };
-}
-
-/* Nearest whole number, by the digits that 1.5 * 2^52 leaves; numbers beyond 2^51 stay near. */
-static const double whole_digits = 6755399441055744.0;
-
-DL_INLINE double shift_of(const dl_box *box, int c, double d) {
-    return box->length[c] * ((d * box->inverse[c] + whole_digits) - whole_digits);
-}
-
-DL_INLINE vector shifts_of(const dl_box *box, int c, vector d) {
-    return box->length[c] * ((d * box->inverse[c] + whole_digits) - whole_digits);
 }
 
 /* Lanes behind the last pair: distance 1, separation 0, so that they add nothing. */
@@ -80,7 +47,7 @@ DL_INLINE void evaluate(const dl_pair_arrays *p, buffers b, loop_form form, size
 /* --- gathered pairs --------------------------------------------------------------------------- */
 
 typedef struct gathered {
-    int i[CHUNK + 1], j[CHUNK + 1];
+    int i[CHUNK + 8], j[CHUNK + 8];
     size_t count;
 } gathered;
 
@@ -125,7 +92,9 @@ DL_INLINE bool gather(const inputs *in, buffers b, loop_form form, bool at_end, 
     return changes;
 }
 
-DL_INLINE void scatter(const dl_pair_arrays *p, buffers b, loop_form form, gathered *pairs) {
+/* Forces of the gathered pairs, on both particles or on the first alone. */
+DL_INLINE void scatter(const dl_pair_arrays *p, buffers b, loop_form form, bool both,
+                       gathered *pairs) {
     evaluate(p, b, form, pairs->count);
     for (size_t n = 0; n < pairs->count; n++) {
         int i = pairs->i[n], j = pairs->j[n];
@@ -135,7 +104,8 @@ DL_INLINE void scatter(const dl_pair_arrays *p, buffers b, loop_form form, gathe
         for (int c = 0; c < form.dimension; c++) {
             double force = f * b.d[c][n];
             p->f[c][i] += force;
-            p->f[c][j] -= force;
+            if (both)
+                p->f[c][j] -= force;
         }
     }
     pairs->count = 0;
@@ -145,26 +115,96 @@ DL_INLINE double square_of_reach(const dl_law *law) {
     return law->until2[law->pieces - 1];
 }
 
+#if defined(DL_ISA_avx512)
+DL_INLINE vector at(const double *x, __m256i index) {
+    return (vector)_mm512_i32gather_pd(index, x, 8);
+}
+
+DL_INLINE void keep(double *to, __mmask8 mask, vector v) {
+    _mm512_storeu_pd(to, _mm512_maskz_compress_pd(mask, (__m512d)v));
+}
+
+DL_INLINE void keep_index(int *to, __mmask8 mask, __m256i index) {
+    _mm256_storeu_si256((__m256i *)to, _mm256_maskz_compress_epi32(mask, index));
+}
+
+/* As gather, for a vector of pairs and of forces alone. */
+DL_INLINE void gather_lanes(const inputs *in, buffers b, loop_form form, double reach2,
+                            const int *row, const int *neighbour, int count, gathered *pairs) {
+    __mmask8 there = (__mmask8)(count < 8 ? (1U << count) - 1 : 0xffU);
+    __m256i i = _mm256_maskz_loadu_epi32(there, row);
+    __m256i j = _mm256_maskz_loadu_epi32(there, neighbour);
+    size_t n = pairs->count;
+    vector s = splat(0), d[3];
+    for (int c = 0; c < form.dimension; c++) {
+        d[c] = at(in->x[c], i) - at(in->x[c], j);
+        if (form.periodic)
+            d[c] -= shifts_of(&in->box, c, d[c]);
+        s += d[c] * d[c];
+    }
+    __mmask8 within =
+        _mm512_mask_cmp_pd_mask(there, (__m512d)s, _mm512_set1_pd(reach2), _CMP_LE_OQ);
+    for (int c = 0; c < form.dimension; c++)
+        keep(b.d[c] + n, within, d[c]);
+    keep(b.s + n, within, s);
+    keep_index(pairs->i + n, within, i);
+    keep_index(pairs->j + n, within, j);
+    pairs->count = n + (size_t)__builtin_popcount(within);
+}
+#endif
+
+DL_INLINE void gather_span(const inputs *in, buffers b, loop_form form, double reach2,
+                           const int *row, const int *neighbour, int count, gathered *pairs) {
+#if defined(DL_ISA_avx512)
+    if (!form.discrete) {
+        for (int k = 0; k < count; k += 8)
+            gather_lanes(in, b, form, reach2, row + k, neighbour + k, count - k, pairs);
+        return;
+    }
+#endif
+    for (int k = 0; k < count; k++) {
+        bool changes = gather(in, b, form, false, reach2, row[k], neighbour[k], pairs);
+        if (form.periodic && form.discrete && changes)
+            gather(in, b, form, true, reach2, row[k], neighbour[k], pairs);
+    }
+}
+
+/* Writes the row of every entry from `entry` on, as far as whole rows fit into `most`, or `most`
+ * of one that is longer: rows are short and of any length, and a loop over each would end by
+ * surprise. *i: the row of the next entry. Returns their number; row has room for 8 more. */
+DL_INLINE int write_rows(const dl_neighbours *list, int entry, int most, int *i, int *row) {
+    const int *start = list->start, end = list->end;
+    int count = 0, at = *i;
+    for (; at < end && start[at + 1] - entry <= most; at++) {
+        int k = count;
+        count = start[at + 1] - entry;
+        do
+            for (int lane = 0; lane < 8; lane++)
+                row[k + lane] = at;
+        while ((k += 8) < count);
+    }
+    if (count == 0 && at < end)
+        while (count < most)
+            row[count++] = at;
+    *i = at;
+    return count;
+}
+
 DL_INLINE void list_rows(const dl_pair_arrays *p, const dl_neighbours *list, loop_form form) {
     buffers b = lay_out(p->buffer, CHUNK);
     inputs in = inputs_of(p, form);
+    const double reach2 = square_of_reach(p->law);
+    /* a pair may have a part for each of two copies */
+    const int most = form.periodic && form.discrete ? CHUNK / 2 : CHUNK;
     gathered pairs;
     pairs.count = 0;
-    double reach2 = square_of_reach(p->law);
-    const int *neighbour = list->neighbour;
-    for (int i = 0; i < (int)p->moving; i++)
-        for (int k = list->start[i]; k < list->start[i + 1]; k++) {
-            int j = neighbour[k];
-            bool changes = gather(&in, b, form, false, reach2, i, j, &pairs);
-            if (pairs.count == CHUNK)
-                scatter(p, b, form, &pairs);
-            if (form.periodic && form.discrete && changes) {
-                gather(&in, b, form, true, reach2, i, j, &pairs);
-                if (pairs.count == CHUNK)
-                    scatter(p, b, form, &pairs);
-            }
-        }
-    scatter(p, b, form, &pairs);
+    int row[CHUNK + 8];
+    for (int i = list->begin, entry = list->start[i]; i < list->end;) {
+        int count = write_rows(list, entry, most, &i, row);
+        gather_span(&in, b, form, reach2, row, list->neighbour + entry, count, &pairs);
+        scatter(p, b, form, list->both, &pairs);
+        entry += count;
+    }
 }
 
 /* --- runs of partners ------------------------------------------------------------------------- */
@@ -228,9 +268,9 @@ DL_INLINE void add_copies_at_end(const dl_pair_arrays *p, const inputs *in, loop
     for (size_t k = 0; k < count; k++) {
         gather(in, b, form, true, square_of_reach(p->law), (int)i, (int)(first + k), &pairs);
         if (pairs.count == CHUNK)
-            scatter(p, b, form, &pairs);
+            scatter(p, b, form, true, &pairs);
     }
-    scatter(p, b, form, &pairs);
+    scatter(p, b, form, true, &pairs);
 }
 
 DL_INLINE void block_rows(const dl_pair_arrays *p, const dl_pair_block *block, loop_form form) {
@@ -251,39 +291,27 @@ DL_INLINE void block_rows(const dl_pair_arrays *p, const dl_pair_block *block, l
 
 /* --- one compiled loop a form ----------------------------------------------------------------- */
 
-/* make(name, dimension, coupled, periodic), in the order of index_of. */
-#define DL_FORMS(make)                                                                             \
-    make(flat, 2, false, false) make(solid, 3, false, false) make(flat_coupled, 2, true, false)    \
-        make(solid_coupled, 3, true, false) make(flat_periodic, 2, false, true)                    \
-            make(solid_periodic, 3, false, true) make(flat_coupled_periodic, 2, true, true)        \
-                make(solid_coupled_periodic, 3, true, true)
-
-static size_t index_of(const dl_pair_arrays *p) {
-    return (p->box ? 4U : 0U) + (p->coupling ? 2U : 0U) + (p->dimension == 3 ? 1U : 0U);
-}
-
-typedef void block_loop(const dl_pair_arrays *p, const dl_pair_block *block);
 typedef void list_loop(const dl_pair_arrays *p, const dl_neighbours *list);
 
 /* Functions of their own: in one that held them all, each would be short of registers. */
-#define DL_MAKE(name, ...)                                                                         \
+#define DL_MAKE(name, dimension, coupled, periodic, ...)                                           \
     static void block_##name(const dl_pair_arrays *p, const dl_pair_block *block) {                \
-        block_rows(p, block, (loop_form){__VA_ARGS__, false});                                     \
+        block_rows(p, block, (loop_form){dimension, coupled, periodic, false});                    \
     }                                                                                              \
     static void block_discrete_##name(const dl_pair_arrays *p, const dl_pair_block *block) {       \
-        block_rows(p, block, (loop_form){__VA_ARGS__, true});                                      \
+        block_rows(p, block, (loop_form){dimension, coupled, periodic, true});                     \
     }                                                                                              \
     static void list_##name(const dl_pair_arrays *p, const dl_neighbours *list) {                  \
-        list_rows(p, list, (loop_form){__VA_ARGS__, false});                                       \
+        list_rows(p, list, (loop_form){dimension, coupled, periodic, false});                      \
     }                                                                                              \
     static void list_discrete_##name(const dl_pair_arrays *p, const dl_neighbours *list) {         \
-        list_rows(p, list, (loop_form){__VA_ARGS__, true});                                        \
+        list_rows(p, list, (loop_form){dimension, coupled, periodic, true});                       \
     }
 DL_FORMS(DL_MAKE)
 #undef DL_MAKE
 
 static const struct {
-    block_loop *block, *block_discrete;
+    dl_block_loop *block, *block_discrete;
     list_loop *list, *list_discrete;
 } loops[] = {
 #define DL_ROW(name, ...) {block_##name, block_discrete_##name, list_##name, list_discrete_##name},
@@ -292,17 +320,18 @@ static const struct {
 };
 
 void DL_VARIANT(dl_block)(const dl_pair_arrays *p, const dl_pair_block *block) {
-    loops[index_of(p)].block(p, block);
+    size_t form = dl_loop_form(p);
+    (p->loops->block ? p->loops->block[form] : loops[form].block)(p, block);
 }
 
 void DL_VARIANT(dl_block_discrete)(const dl_pair_arrays *p, const dl_pair_block *block) {
-    loops[index_of(p)].block_discrete(p, block);
+    loops[dl_loop_form(p)].block_discrete(p, block);
 }
 
 void DL_VARIANT(dl_list)(const dl_pair_arrays *p, const dl_neighbours *list) {
-    loops[index_of(p)].list(p, list);
+    loops[dl_loop_form(p)].list(p, list);
 }
 
 void DL_VARIANT(dl_list_discrete)(const dl_pair_arrays *p, const dl_neighbours *list) {
-    loops[index_of(p)].list_discrete(p, list);
+    loops[dl_loop_form(p)].list_discrete(p, list);
 }

@@ -55,6 +55,23 @@ bool DL_VARIANT(dl_finish)(const double *f, const double *scale, double g, const
     return finish(f, NULL, g, NULL, a, count);
 }
 
+uint64_t DL_VARIANT(dl_outside)(const double *x, double low, double high, size_t count) {
+    uint64_t outside = 0;
+    size_t k = 0;
+    for (; k + DL_LANES <= count; k += DL_LANES) {
+        vector place = load(x + k);
+        outside |= bits_of((place < low) | (place > high)) << k;
+    }
+    for (; k < count; k++)
+        outside |= (uint64_t)((x[k] < low) | (x[k] > high)) << k;
+    return outside;
+}
+
+void DL_VARIANT(dl_inverse_sqrt)(const double *s, double *root, size_t count) {
+    for (size_t k = 0; k < count; k++)
+        root[k] = inverse_sqrt(splat(s[k]))[0];
+}
+
 const dl_vector_ops DL_VARIANT(dl_vector_ops) = {
 #define DL_TEXT2(name) #name
 #define DL_TEXT(name)  DL_TEXT2(name)
@@ -67,4 +84,6 @@ const dl_vector_ops DL_VARIANT(dl_vector_ops) = {
     .moved = DL_VARIANT(dl_moved),
     .finish = DL_VARIANT(dl_finish),
     .expansions = &DL_VARIANT(dl_expansion_ops),
+    .outside = DL_VARIANT(dl_outside),
+    .inverse_sqrt = DL_VARIANT(dl_inverse_sqrt),
 };

@@ -59,16 +59,29 @@ DL_INLINE bool any_lane(lane_mask mask) {
     return any != 0;
 }
 
-/* 1/sqrt(s) to full double accuracy. AVX-512 has an estimate with 14 bits; a step of the iteration
- * y += y (1 - s y^2)(1/2 + 3/8 (1 - s y^2)) takes it to 42 and a Newton step to 53: far cheaper
- * than a square root and a division. */
+/* Bit k: lane k. */
+DL_INLINE uint64_t bits_of(lane_mask mask) {
+#if defined(DL_ISA_avx512)
+    return _mm512_movepi64_mask((__m512i)mask);
+#elif defined(DL_ISA_avx2)
+    return (uint64_t)_mm256_movemask_pd((__m256d)mask);
+#else
+    uint64_t bits = 0;
+    for (int k = 0; k < DL_LANES; k++)
+        bits |= (uint64_t)(mask[k] & 1) << k;
+    return bits;
+#endif
+}
+
+/* 1/sqrt(s) to full double accuracy. AVX-512 has an estimate y with 14 bits, and with e = 1 - s y^2
+ *
+ *     1/sqrt(s) = y (1 - e)^(-1/2) = y (1 + e/2 + 3/8 e^2 + 5/16 e^3 + ...),
+ *
+ * of which the next term is below 2^-53: far cheaper than a square root and a division. */
 DL_INLINE vector inverse_sqrt(vector s) {
 #if defined(DL_ISA_avx512)
-    vector y = (vector)_mm512_rsqrt14_pd((__m512d)s);
-    vector e = 1.0 - s * y * y;
-    y += y * e * (0.5 + 0.375 * e);
-    e = 1.0 - s * y * y;
-    return y + 0.5 * y * e;
+    vector y = (vector)_mm512_rsqrt14_pd((__m512d)s), e = 1.0 - s * y * y;
+    return y + y * e * (0.5 + e * (0.375 + e * 0.3125));
 #elif defined(DL_ISA_avx2)
     return 1.0 / (vector)_mm256_sqrt_pd((__m256d)s);
 #else
@@ -95,6 +108,8 @@ bool DL_VARIANT(dl_moved)(const double *const *x, const double *const *origin, i
 bool DL_VARIANT(dl_finish)(const double *f, const double *scale, double g, const double *mask,
                            double *a, size_t count);
 extern const struct dl_expansion_ops DL_VARIANT(dl_expansion_ops);
+uint64_t DL_VARIANT(dl_outside)(const double *x, double low, double high, size_t count);
+void DL_VARIANT(dl_inverse_sqrt)(const double *s, double *root, size_t count);
 extern const dl_vector_ops DL_VARIANT(dl_vector_ops);
 
 #endif
