@@ -201,11 +201,22 @@ DL_INLINE bool row_distances(const inputs *in, buffers b, loop_form form, size_t
     return form.periodic && form.discrete && any_lane(changes);
 }
 
+static const lane_mask lane_numbers =
+#if DL_LANES == 8
+    {0, 1, 2, 3, 4, 5, 6, 7};
+#elif DL_LANES == 4
+    {0, 1, 2, 3};
+#else
+    {0, 1};
+#endif
+
 DL_INLINE void row_forces(const dl_pair_arrays *p, buffers b, loop_form form, size_t i,
                           size_t first, size_t count) {
     vector sum[3] = {splat(0), splat(0), splat(0)};
     for (size_t k = 0; k < count; k += DL_LANES) {
         vector f = load(b.f + k);
+        if (form.discrete) /* behind a row there is the next one */
+            f = choose(lane_numbers + (int64_t)k < (int64_t)count, f, splat(0));
         if (form.coupled)
             f *= p->coupling[i] * load(p->coupling + first + k);
         for (int c = 0; c < form.dimension; c++) {
@@ -241,12 +252,65 @@ DL_INLINE void block_rows(const dl_pair_arrays *p, const dl_pair_block *block, l
         if (first >= block->partners_end)
             continue;
         size_t count = block->partners_end - first;
-        bool changes = row_distances(&in, b, form, i, first, count);
+        row_distances(&in, b, form, i, first, count);
         evaluate(p, b, form, count);
         row_forces(p, b, form, i, first, count);
-        if (form.periodic && form.discrete && changes)
-            add_copies_at_end(p, &in, form, i, first, count);
     }
+}
+
+/* --- discrete forces: many rows at once ----------------------------------------------------------
+ *
+ * The way from distances to forces is long beside a short row. So rows stand one behind the other
+ * in the buffers, as many as have room, and the law sees them all at once. */
+
+/* Pairs that there is room for, or a row where that is longer (dl_row_buffer_size). */
+enum { BATCH = 640 };
+
+DL_INLINE size_t first_partner(const dl_pair_block *block, size_t i) {
+    return i + 1 > block->partners_begin ? i + 1 : block->partners_begin;
+}
+
+DL_INLINE size_t row_length(const dl_pair_block *block, size_t i) {
+    size_t first = first_partner(block, i);
+    return first < block->partners_end ? block->partners_end - first : 0;
+}
+
+DL_INLINE buffers from_pair(buffers b, loop_form form, size_t pair) {
+    buffers there = {.s = b.s + pair, .s1 = b.s1 + pair, .ds = b.ds + pair, .f = b.f + pair};
+    for (int c = 0; c < form.dimension; c++)
+        there.d[c] = b.d[c] + pair;
+    return there;
+}
+
+/* Rows from `begin` on; returns the first that has no room any more. */
+DL_INLINE size_t add_rows(const dl_pair_arrays *p, const dl_pair_block *block, loop_form form,
+                          size_t room, size_t begin) {
+    buffers b = lay_out(p->buffer, room);
+    inputs in = inputs_of(p, form);
+    size_t i = begin, pairs = 0;
+    bool changes = false;
+    for (; i < block->end && (i == begin || pairs + row_length(block, i) <= room); i++) {
+        size_t count = row_length(block, i);
+        changes |=
+            row_distances(&in, from_pair(b, form, pairs), form, i, first_partner(block, i), count);
+        pairs += count;
+    }
+    evaluate(p, b, form, pairs);
+    pairs = 0;
+    for (size_t k = begin; k < i; k++) {
+        size_t count = row_length(block, k);
+        row_forces(p, from_pair(b, form, pairs), form, k, first_partner(block, k), count);
+        pairs += count;
+    }
+    for (size_t k = begin; form.periodic && changes && k < i; k++)
+        add_copies_at_end(p, &in, form, k, first_partner(block, k), row_length(block, k));
+    return i;
+}
+
+DL_INLINE void block_batches(const dl_pair_arrays *p, const dl_pair_block *block, loop_form form) {
+    size_t room = p->particles > BATCH ? p->particles : BATCH;
+    for (size_t i = block->begin; i < block->end;)
+        i = add_rows(p, block, form, room, i);
 }
 
 /* --- one compiled loop a form ----------------------------------------------------------------- */
@@ -271,7 +335,7 @@ typedef void list_loop(const dl_pair_arrays *p, const dl_neighbours *list);
         block_rows(p, block, (loop_form){__VA_ARGS__, false});                                     \
     }                                                                                              \
     static void block_discrete_##name(const dl_pair_arrays *p, const dl_pair_block *block) {       \
-        block_rows(p, block, (loop_form){__VA_ARGS__, true});                                      \
+        block_batches(p, block, (loop_form){__VA_ARGS__, true});                                   \
     }                                                                                              \
     static void list_##name(const dl_pair_arrays *p, const dl_neighbours *list) {                  \
         list_rows(p, list, (loop_form){__VA_ARGS__, false});                                       \

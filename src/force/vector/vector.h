@@ -59,6 +59,19 @@ DL_INLINE bool any_lane(lane_mask mask) {
     return any != 0;
 }
 
+#if !defined(DL_ISA_avx512)
+DL_INLINE vector root(vector s) {
+#if defined(DL_ISA_avx2)
+    return (vector)_mm256_sqrt_pd((__m256d)s);
+#else
+    vector of;
+    for (int k = 0; k < DL_LANES; k++)
+        of[k] = sqrt(s[k]);
+    return of;
+#endif
+}
+#endif
+
 /* 1/sqrt(s) to full double accuracy. AVX-512 has an estimate with 14 bits; a step of the iteration
  * y += y (1 - s y^2)(1/2 + 3/8 (1 - s y^2)) takes it to 42 and a Newton step to 53: far cheaper
  * than a square root and a division. */
@@ -69,13 +82,29 @@ DL_INLINE vector inverse_sqrt(vector s) {
     y += y * e * (0.5 + 0.375 * e);
     e = 1.0 - s * y * y;
     return y + 0.5 * y * e;
-#elif defined(DL_ISA_avx2)
-    return 1.0 / (vector)_mm256_sqrt_pd((__m256d)s);
 #else
-    vector root;
-    for (int k = 0; k < DL_LANES; k++)
-        root[k] = sqrt(s[k]);
-    return 1.0 / root;
+    return 1.0 / root(s);
+#endif
+}
+
+/* A step's ends, from their squared distances: 1/r0, 1/r1 and 1/(r0 + r1). */
+typedef struct inverse_ends {
+    vector a, b, of_sum;
+} inverse_ends;
+
+/* Divisions are what costs: AVX-512 has estimates for all three inverses, elsewhere one division
+ * serves them. */
+DL_INLINE inverse_ends inverses_of(vector s0, vector s1) {
+#if defined(DL_ISA_avx512)
+    vector a = inverse_sqrt(s0), b = inverse_sqrt(s1), sum = a + b;
+    vector y = (vector)_mm512_rcp14_pd((__m512d)sum);
+    y += y * (1.0 - sum * y); /* 28 bits, */
+    y += y * (1.0 - sum * y); /* all */
+    return (inverse_ends){a, b, a * b * y};
+#else
+    vector r0 = root(s0), r1 = root(s1), sum = r0 + r1, product = r0 * r1;
+    vector all = 1.0 / (product * sum), of_product = sum * all;
+    return (inverse_ends){r1 * of_product, r0 * of_product, product * all};
 #endif
 }
 
