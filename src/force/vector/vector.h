@@ -46,10 +46,14 @@ DL_INLINE vector choose(lane_mask mask, vector yes, vector no) {
 }
 
 DL_INLINE double sum_lanes(vector v) {
+#if defined(DL_ISA_avx512)
+    return _mm512_reduce_add_pd((__m512d)v);
+#else
     double sum = 0;
     for (int k = 0; k < DL_LANES; k++)
         sum += v[k];
     return sum;
+#endif
 }
 
 DL_INLINE bool any_lane(lane_mask mask) {
