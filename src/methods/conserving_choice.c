@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 /* A fixed-point iteration that leaves less of an error than the first is faster without
- * acceleration, which KINSOL is too dear for, and less than the second, faster than Newton's
+ * acceleration and without KINSOL, and less than the second, faster than Newton's
  * method: studies/conserving/README.md.
  */
 static const double contracts_well = 0.1, contracts = 0.75;

@@ -1,4 +1,4 @@
-/* KINSOL on the system of a conserving step:
+/* KINSOL, or a plain iteration, on the system of a conserving step:
  *
  *     delta = h v + (h^2/2) a(q, q + delta)
  *
