@@ -70,7 +70,7 @@ static dl_status ours_force_measure(const ours_force *force, double *seconds, dl
 }
 
 /* Chooses the number of calls so that a measurement takes `wanted` seconds; warms up by it. */
-static dl_status ours_force_calibrate(ours_force *force, double wanted, dl_error *error) {
+__attribute__((unused)) static dl_status ours_force_calibrate(ours_force *force, double wanted, dl_error *error) {
     double seconds = 0;
     dl_status status = DL_OK;
     while (!status && seconds * (double)force->calls < wanted) {
@@ -82,7 +82,7 @@ static dl_status ours_force_calibrate(ours_force *force, double wanted, dl_error
 }
 
 /* Kinetic energy per particle of a state in scene order, 2-D. */
-static double ours_kinetic(const dl_scene *scene, const double *y_all) {
+__attribute__((unused)) static double ours_kinetic(const dl_scene *scene, const double *y_all) {
     const size_t n = scene->particles;
     double sum = 0;
     for (size_t i = 0; i < n; i++)

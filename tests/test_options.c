@@ -12,10 +12,11 @@ typedef struct run {
     dl_status status;
 } run;
 
-/* Of steps as a scene would have them, and of long ones that few iterations do not solve. */
+/* Of steps as a scene would have them, and of long ones that few iterations do not solve; so many
+ * that predictors have their past. */
 static const double scene_steps[] = {0.01, 0.2};
 static const char few_iterations[] = "iterations=2";
-enum { runs = sizeof scene_steps / sizeof *scene_steps, steps = 10 };
+enum { runs = sizeof scene_steps / sizeof *scene_steps, steps = 13 };
 
 typedef struct outcome {
     run of[runs];

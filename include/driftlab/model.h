@@ -152,6 +152,9 @@ void dl_model_discrete_product_forget(dl_model *model);
  * block [moving * dimension * dimension]. */
 void dl_model_discrete_diagonal(const dl_model *model, double *block);
 
+/* Whether the force of any pair that can act jumps at a breakpoint. */
+bool dl_model_any_jumps(const dl_model *model);
+
 /* Pairs that cross a breakpoint where the force jumps (model/crossings.c). dl_model_crossings_begin
  * finds those of the step from q to about q + delta, of length h: none where no force jumps, or
  * where the mean is not one of pairs. dl_model_crossings_settle takes an iterate delta and its

@@ -42,8 +42,9 @@ bool dl_vector_force(const char *name) {
     return !name || forced;
 }
 
-/* Seven arrays of a row each (see pairs_vector.c), or of a chunk where that is longer. */
+/* Seven arrays of a row each, with room before and behind it (see pairs_vector.c), or of a batch
+ * where that is longer. */
 size_t dl_row_buffer_size(size_t particles) {
-    size_t row = particles > 256 ? particles : 256;
-    return 7 * (row + DL_VECTOR_PAD);
+    size_t row = particles > 640 ? particles : 640;
+    return 7 * (row + 2 * (size_t)DL_VECTOR_PAD);
 }

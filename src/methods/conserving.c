@@ -18,6 +18,7 @@
 #include "methods/conserving_predictor.h"
 #include "methods/conserving_solver.h"
 #include "methods/conserving_state.h"
+#include "methods/norms.h"
 #include "methods/registry.h"
 
 typedef struct conserving {
@@ -40,12 +41,7 @@ static const dl_conserving_variant *variant_of(const dl_method *method) {
  */
 
 static double largest(const double *values, size_t n) {
-    double most = 0;
-    for (size_t i = 0; i < n; i++) {
-        const double value = fabs(values[i]);
-        most = value > most || isnan(value) ? value : most;
-    }
-    return most;
+    return dl_largest_in_lanes(values, NULL, n);
 }
 
 /* Where the iteration begins. */

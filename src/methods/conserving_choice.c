@@ -5,8 +5,8 @@
 #include <stdlib.h>
 
 /* A fixed-point iteration that leaves less of an error than the first is faster without
- * acceleration, and less than the second, faster than Newton's method:
- * studies/conserving/README.md.
+ * acceleration and without KINSOL, and less than the second, faster than Newton's
+ * method: studies/conserving/README.md.
  */
 static const double contracts_well = 0.1, contracts = 0.75;
 /* Residuals that the acceleration combines where it is wanted. */
@@ -117,12 +117,15 @@ dl_status dl_conserving_choose(const dl_method *method, const dl_conserving_stat
         .depth = options->depth >= 0 ? options->depth
                  : slow              ? accelerated
                                      : 0,
+        .contraction = isnan(factor) ? 1 : factor,
     };
     *choice = (dl_conserving_choice){
         .solver = settings, .rescue = settings, .has_rescue = options->rescue};
     if (open)
-        choice->solver.kind = factor > contracts ? newton : DL_FIXED_POINT;
-    choice->rescue.kind = choice->solver.kind == DL_FIXED_POINT ? newton : DL_FIXED_POINT;
+        choice->solver.kind = factor > contracts ? newton : slow ? DL_FIXED_POINT : DL_ITERATION;
+    const bool is_fixed_point =
+        choice->solver.kind == DL_FIXED_POINT || choice->solver.kind == DL_ITERATION;
+    choice->rescue.kind = is_fixed_point ? newton : DL_FIXED_POINT;
     if (open || (uses_depth(settings.kind) && options->depth < 0))
         give_reason(method, factor, choice);
     return DL_OK;

@@ -11,6 +11,10 @@ const char *const dl_predictor_names[] = {
     [DL_PREDICT_QUADRATIC] = "quadratic",
     [DL_PREDICT_CUBIC] = "cubic",
     [DL_PREDICT_QUARTIC] = "quartic",
+    [DL_PREDICT_QUINTIC] = "quintic",
+    [DL_PREDICT_SEXTIC] = "sextic",
+    [DL_PREDICT_SEPTIC] = "septic",
+    [DL_PREDICT_OCTIC] = "octic",
     NULL,
 };
 

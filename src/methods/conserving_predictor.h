@@ -11,15 +11,19 @@
 typedef enum dl_predictor_kind {
     DL_PREDICT_EXPLICIT, /* the acceleration at the start: a force more */
     DL_PREDICT_CONSTANT, /* the last mean */
-    DL_PREDICT_LINEAR,   /* through the last two, three, four, five */
+    DL_PREDICT_LINEAR,   /* through the last two, three ... nine */
     DL_PREDICT_QUADRATIC,
     DL_PREDICT_CUBIC,
     DL_PREDICT_QUARTIC,
+    DL_PREDICT_QUINTIC,
+    DL_PREDICT_SEXTIC,
+    DL_PREDICT_SEPTIC,
+    DL_PREDICT_OCTIC,
 } dl_predictor_kind;
 
 extern const char *const dl_predictor_names[];
 
-enum { dl_predictor_most = 5 };
+enum { dl_predictor_most = 9 };
 
 typedef struct dl_predictor {
     size_t n;

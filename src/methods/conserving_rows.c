@@ -10,7 +10,8 @@
  */
 
 static const char *const solver_words[] = {
-    "auto", "fixed-point", "picard", "newton-dense", "newton-klu", "newton-krylov", NULL,
+    "auto",         "iteration",  "fixed-point",   "picard",
+    "newton-dense", "newton-klu", "newton-krylov", NULL,
 };
 
 #define COMMON_OPTIONS                                                                             \
@@ -37,7 +38,7 @@ static const char *const solver_words[] = {
          .offset = offsetof(dl_conserving_options, predictor),                                     \
          .unit = "",                                                                               \
          .words = dl_predictor_names,                                                              \
-         .fallback = "quartic",                                                                    \
+         .fallback = "octic",                                                                      \
          .doc = "first guess of a step's mean acceleration: at its start, or extrapolated from "   \
                 "the steps before"},                                                               \
     {                                                                                              \
@@ -55,7 +56,8 @@ static const char *const solver_words[] = {
                "strongly the iteration contracts"                                                  \
     }
 
-static const dl_parameter newton_options[] = {COMMON_OPTIONS};
+/* nothing but what all have */
+static const dl_parameter plain_options[] = {COMMON_OPTIONS};
 static const dl_parameter fixed_point_options[] = {COMMON_OPTIONS, DEPTH_OPTION};
 static const dl_parameter chosen_options[] = {
     COMMON_OPTIONS,
@@ -103,6 +105,9 @@ static const double suzuki[] = {SUZUKI_OUTER, SUZUKI_OUTER, 1 - 4 * SUZUKI_OUTER
 
 CONSERVING_ROW(conserving, "conserving", SCHEME "its system's solver chosen by the scene", 2, KEEPS,
                chosen_options, .by_option = true, ONE);
+CONSERVING_ROW(conserving_iteration, "conserving-iteration",
+               SCHEME "a plain fixed point that foretells its last residual", 2, KEEPS,
+               plain_options, .solver = DL_ITERATION, ONE);
 CONSERVING_ROW(conserving_fixed_point, "conserving-fixed-point",
                SCHEME "KINSOL's fixed point with Anderson acceleration", 2, KEEPS,
                fixed_point_options, .solver = DL_FIXED_POINT, ONE);
@@ -111,13 +116,13 @@ CONSERVING_ROW(conserving_picard, "conserving-picard",
                KEEPS | DL_NEEDS_JACOBIAN, fixed_point_options, .solver = DL_PICARD, ONE);
 CONSERVING_ROW(conserving_newton_dense, "conserving-newton-dense",
                SCHEME "KINSOL's Newton with a dense Jacobian", 2, KEEPS | DL_NEEDS_JACOBIAN,
-               newton_options, .solver = DL_NEWTON_DENSE, ONE);
+               plain_options, .solver = DL_NEWTON_DENSE, ONE);
 CONSERVING_ROW(conserving_newton_klu, "conserving-newton-klu",
                SCHEME "KINSOL's Newton with a sparse Jacobian (KLU)", 2, KEEPS | DL_NEEDS_JACOBIAN,
-               newton_options, .solver = DL_NEWTON_KLU, ONE);
+               plain_options, .solver = DL_NEWTON_KLU, ONE);
 CONSERVING_ROW(conserving_newton_krylov, "conserving-newton-krylov",
                SCHEME "KINSOL's Newton-GMRES, analytic products, preconditioned by particle", 2,
-               KEEPS | DL_NEEDS_JACOBIAN, newton_options, .solver = DL_NEWTON_KRYLOV, ONE);
+               KEEPS | DL_NEEDS_JACOBIAN, plain_options, .solver = DL_NEWTON_KRYLOV, ONE);
 CONSERVING_ROW(conserving_4_suzuki, "conserving-4-suzuki",
                SCHEME "five steps composed (Suzuki 1990, doi:10.1016/0375-9601(90)90962-N)", 4,
                KEEPS, chosen_options, .by_option = true, .stages = 5, .weight = suzuki);

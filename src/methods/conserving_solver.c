@@ -7,9 +7,13 @@
 #include "methods/conserving_parts.h"
 
 const char *const dl_solver_names[] = {
-    [DL_FIXED_POINT] = "fixed-point",     [DL_PICARD] = "picard",
-    [DL_NEWTON_DENSE] = "newton-dense",   [DL_NEWTON_KLU] = "newton-klu",
-    [DL_NEWTON_KRYLOV] = "newton-krylov", NULL,
+    [DL_ITERATION] = "iteration",
+    [DL_FIXED_POINT] = "fixed-point",
+    [DL_PICARD] = "picard",
+    [DL_NEWTON_DENSE] = "newton-dense",
+    [DL_NEWTON_KLU] = "newton-klu",
+    [DL_NEWTON_KRYLOV] = "newton-krylov",
+    NULL,
 };
 
 /* Iterations in which a factorisation of an earlier step is good enough to be kept for the next. */
@@ -164,6 +168,8 @@ dl_status dl_conserving_solve(dl_conserving_solver *solver, dl_error *error) {
         {KIN_REPTD_SYSFUNC_ERR, DL_NONLINEAR_FAILURE, true},
         {0, DL_OK, false},
     };
+    if (solver->settings.kind == DL_ITERATION)
+        return dl_conserving_iterate(solver, error);
     N_VConst(1 / solver->step.size, solver->scale);
     N_VScale(1, solver->delta, solver->guess);
     dl_conserving_begin(solver);
@@ -218,6 +224,11 @@ dl_status dl_conserving_solver_create(dl_conserving_solver *solver, dl_model *mo
     const dl_status status = dl_sundials_create(&solver->sundials, model, error);
     if (status)
         return status;
+    if (settings->kind == DL_ITERATION) {
+        solver->jumps = dl_model_any_jumps(model);
+        solver->image = malloc((step->n + 1) * sizeof *solver->image);
+        return solver->image ? DL_OK : dl_fail_memory(error, "the conserving scheme's iteration");
+    }
     const sunindextype n = (sunindextype)step->n;
     solver->delta = dl_sundials_vector(&solver->sundials, step->delta, step->n);
     solver->scale = N_VNew_Serial(n, solver->sundials.context);
@@ -243,5 +254,6 @@ void dl_conserving_solver_free(dl_conserving_solver *solver) {
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
         if (*vectors[k])
             N_VDestroy(*vectors[k]);
+    free(solver->image);
     dl_sundials_destroy(&solver->sundials);
 }

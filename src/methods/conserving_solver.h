@@ -1,4 +1,4 @@
-/* KINSOL on the system of a conserving step:
+/* KINSOL, or a plain iteration, on the system of a conserving step:
  *
  *     delta = h v + (h^2/2) a(q, q + delta)
  *
@@ -14,6 +14,7 @@
 #include "methods/sundials.h"
 
 typedef enum dl_solver_kind {
+    DL_ITERATION,     /* a plain fixed point, without KINSOL: conserving_iteration.c */
     DL_FIXED_POINT,   /* with Anderson's acceleration */
     DL_PICARD,        /* the same, preconditioned by I - (h^2/2) da/ddelta of the guess (KLU) */
     DL_NEWTON_DENSE,  /* analytic Jacobian, LU */
@@ -43,9 +44,11 @@ typedef struct dl_conserving_counts {
 
 typedef struct dl_conserving_settings {
     dl_solver_kind kind;
-    double tolerance; /* residual allowed, as a part of the step's size */
-    long iterations;  /* nonlinear, in one attempt */
-    long depth;       /* residuals that Anderson's acceleration combines */
+    double tolerance;   /* residual allowed, as a part of the step's size */
+    long iterations;    /* nonlinear, in one attempt */
+    long depth;         /* residuals that Anderson's acceleration combines */
+    double contraction; /* what a fixed-point iteration leaves of a residual; 1 where that is not
+                           known */
 } dl_conserving_settings;
 
 typedef struct dl_conserving_solver {
@@ -59,6 +62,8 @@ typedef struct dl_conserving_solver {
     SUNLinearSolver linear;
     int (*factorise)(SUNLinearSolver linear, SUNMatrix matrix); /* its own */
     bool is_frozen;        /* the factorisation is not to be made again */
+    double *image;         /* [n]: of the plain iteration */
+    bool jumps;            /* the scene's force does, somewhere */
     unsigned long pattern; /* generation of the sparse matrix's */
     double *values;        /* Jacobian entries */
     size_t values_capacity;

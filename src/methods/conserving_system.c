@@ -1,6 +1,7 @@
 #include <math.h>
 
 #include "methods/conserving_parts.h"
+#include "methods/norms.h"
 
 double dl_conserving_roundoff(const dl_conserving_step *step) {
     return fmax(1e-11 * step->size, step->floor);
@@ -45,15 +46,6 @@ static int apply_map(dl_conserving_solver *solver, const double *delta, double *
     return dl_sundials_answer(&solver->sundials, status, &error);
 }
 
-static double distance(const double *a, const double *b, size_t n) {
-    double most = 0;
-    for (size_t i = 0; i < n; i++) {
-        const double d = fabs(a[i] - b[i]);
-        most = d > most ? d : most;
-    }
-    return most;
-}
-
 /* Keeps count of how the residual falls. */
 static void judge(dl_conserving_solver *solver, double residual) {
     solver->last = residual;
@@ -62,7 +54,7 @@ static void judge(dl_conserving_solver *solver, double residual) {
 }
 
 /* Whether the residual has come down to roundoff and stays there. */
-static bool is_at_roundoff(const dl_conserving_solver *solver) {
+bool dl_conserving_is_at_roundoff(const dl_conserving_solver *solver) {
     return solver->since_best >= 2 && solver->last <= dl_conserving_roundoff(&solver->step);
 }
 
@@ -72,22 +64,26 @@ static int end_early(dl_conserving_solver *solver, int answer) {
     if (answer)
         solver->stalled = solver->sundials.model_status == DL_OK;
     else
-        solver->stalled = solver->since_best > patience && !is_at_roundoff(solver);
+        solver->stalled = solver->since_best > patience && !dl_conserving_is_at_roundoff(solver);
     return answer || solver->stalled ? -1 : 0;
+}
+
+int dl_conserving_advance_map(dl_conserving_solver *solver, const double *delta, double *image) {
+    const int answer = apply_map(solver, delta, image);
+    if (!answer) {
+        dl_model_crossings_settle(solver->sundials.model, delta, image, solver->step.a);
+        judge(solver, dl_largest_in_lanes(image, delta, solver->step.n));
+    }
+    return end_early(solver, answer);
 }
 
 int dl_conserving_map(N_Vector u, N_Vector image, void *user_data) {
     dl_conserving_solver *const solver = user_data;
-    const double *const delta = N_VGetArrayPointer(u);
-    double *const to = N_VGetArrayPointer(image);
-    const int answer = apply_map(solver, delta, to);
-    if (!answer) {
-        dl_model_crossings_settle(solver->sundials.model, delta, to, solver->step.a);
-        judge(solver, distance(to, delta, solver->step.n));
-        if (is_at_roundoff(solver)) /* KINSOL stops where the map leaves u as it is */
-            N_VScale(1, u, image);
-    }
-    return end_early(solver, answer);
+    const int answer =
+        dl_conserving_advance_map(solver, N_VGetArrayPointer(u), N_VGetArrayPointer(image));
+    if (!answer && dl_conserving_is_at_roundoff(solver)) /* KINSOL stops where the map leaves u */
+        N_VScale(1, u, image);
+    return answer;
 }
 
 int dl_conserving_residual(N_Vector u, N_Vector f, void *user_data) {
@@ -97,8 +93,8 @@ int dl_conserving_residual(N_Vector u, N_Vector f, void *user_data) {
     const int answer = apply_map(solver, delta, to);
     if (answer)
         return answer;
-    judge(solver, distance(to, delta, solver->step.n));
-    const bool done = is_at_roundoff(solver);
+    judge(solver, dl_largest_in_lanes(to, delta, solver->step.n));
+    const bool done = dl_conserving_is_at_roundoff(solver);
     for (size_t i = 0; i < solver->step.n; i++)
         to[i] = done ? 0 : delta[i] - to[i];
     return 0;

@@ -48,6 +48,7 @@
     X(gauss_6)                                                                                     \
     X(gauss_radau_15)                                                                              \
     X(conserving)                                                                                  \
+    X(conserving_iteration)                                                                        \
     X(conserving_fixed_point)                                                                      \
     X(conserving_picard)                                                                           \
     X(conserving_newton_dense)                                                                     \

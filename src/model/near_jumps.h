@@ -13,8 +13,6 @@ typedef struct dl_jumps {
 
 typedef struct dl_near_pairs dl_near_pairs;
 
-bool dl_model_any_jumps(const dl_model *model);
-
 /* To be freed, also where it fails. */
 dl_status dl_near_pairs_create(const dl_model *model, dl_near_pairs **near, dl_error *error);
 void dl_near_pairs_free(dl_near_pairs *near);

@@ -8,25 +8,44 @@ DL_INLINE void force_loop(const dl_law *law, shape form, const double *s, double
         store(f + k, shape_force(law, form, load(s + k)));
 }
 
-/* sum_{m<n} a^m b^(n-1-m), n known at compile time. */
+/* S_n = sum_{m<n} a^m b^(n-1-m) by the bits of n, the highest first:
+ * S_2m = S_m (a^m + b^m), S_m+1 = a S_m + b^m. */
 DL_INLINE vector power_sum(vector a, vector b, int n) {
-    vector sum = splat(1), b_power = splat(1);
-#pragma GCC unroll 16
-    for (int m = 1; m < n; m++) {
-        b_power *= b;
-        sum = a * sum + b_power;
+    vector sum = splat(1), a_m = a, b_m = b;
+#pragma GCC unroll 5
+    for (int bit = 1 << (31 - __builtin_clz((unsigned)n)) >> 1; bit > 0; bit >>= 1) {
+        sum *= a_m + b_m;
+        a_m *= a_m;
+        b_m *= b_m;
+        if (n & bit) {
+            sum = a * sum + b_m;
+            a_m *= a;
+            b_m *= b;
+        }
     }
     return sum;
 }
 
-DL_INLINE vector piece_discrete(const dl_law *law, int piece, int terms, const int *power, vector a,
+/* Coefficients over their n, [piece][term]: read once, for the loop writes to memory that could be
+ * the law's. */
+typedef struct discrete_factors {
+    double of[2][2];
+} discrete_factors;
+
+DL_INLINE discrete_factors factors_of(const dl_law *law, shape form) {
+    discrete_factors factors = {{{0}}};
+    for (int piece = 0; piece < form.pieces; piece++)
+        for (int t = 0; t < form.terms[piece]; t++)
+            factors.of[piece][t] = law->coefficient[piece][t] / (form.power[piece][t] - 1);
+    return factors;
+}
+
+DL_INLINE vector piece_discrete(const double *factor, int terms, const int *power, vector a,
                                 vector b) {
     vector sum = splat(0);
 #pragma GCC unroll 4
-    for (int t = 0; t < terms; t++) {
-        int n = power[t] - 1;
-        sum += law->coefficient[piece][t] / n * power_sum(a, b, n);
-    }
+    for (int t = 0; t < terms; t++)
+        sum += factor[t] * power_sum(a, b, power[t] - 1);
     return sum;
 }
 
@@ -41,24 +60,26 @@ DL_INLINE void mend_crossings(const dl_law *law, const double *s0, const double 
 DL_INLINE void discrete_loop(const dl_law *law, shape form, const double *s0, const double *s1,
                              const double *ds, double *g, size_t count) {
     lane_mask crossing = {0};
+    const discrete_factors factors = factors_of(law, form);
+    const double edge0 = law->until2[0], edge = law->until2[form.pieces - 1];
     for (size_t k = 0; k < count; k += DL_LANES) {
         vector from = load(s0 + k), to = load(s1 + k);
-        vector a = inverse_sqrt(from), b = inverse_sqrt(to), ab = a * b;
+        inverse_ends ends = inverses_of(from, to);
+        vector a = ends.a, b = ends.b;
         int last = form.pieces - 1;
-        vector value = piece_discrete(law, last, form.terms[last], form.power[last], a, b);
+        vector value = piece_discrete(factors.of[last], form.terms[last], form.power[last], a, b);
         if (form.cut) {
-            lane_mask out0 = from > law->until2[last], out1 = to > law->until2[last];
+            lane_mask out0 = from > edge, out1 = to > edge;
             crossing |= out0 ^ out1;
             value = choose(out0, splat(0), value);
         }
         if (form.pieces == 2) {
-            lane_mask in0 = from <= law->until2[0], in1 = to <= law->until2[0];
+            lane_mask in0 = from <= edge0, in1 = to <= edge0;
             crossing |= in0 ^ in1;
-            vector inner = piece_discrete(law, 0, form.terms[0], form.power[0], a, b);
+            vector inner = piece_discrete(factors.of[0], form.terms[0], form.power[0], a, b);
             value = choose(in0, inner, value);
         }
-        /* a b/(r0 + r1) = (a b)^2/(a + b) */
-        store(g + k, value * ab * ab / (a + b));
+        store(g + k, value * (a * b * ends.of_sum));
     }
     if (any_lane(crossing))
         mend_crossings(law, s0, s1, ds, g, count);
@@ -141,7 +162,8 @@ DL_INLINE vector blend_discrete(const dl_law *law, int piece, vector a, vector b
 /* One vector of pairs. *alone: lanes that cross a breakpoint or, in a taper, more than a panel. */
 DL_INLINE vector whole_discrete_of(const dl_law *law, vector from, vector to, vector ds,
                                    lane_mask *alone) {
-    vector a = inverse_sqrt(from), b = inverse_sqrt(to), ab = a * b, value = splat(0);
+    inverse_ends ends = inverses_of(from, to);
+    vector a = ends.a, b = ends.b, value = splat(0);
     lane_mask done = {0};
     for (int piece = 0; piece < law->pieces; piece++) {
         lane_mask in0 = from <= law->until2[piece], in1 = to <= law->until2[piece];
@@ -154,13 +176,13 @@ DL_INLINE vector whole_discrete_of(const dl_law *law, vector from, vector to, ve
         if (law->width[piece] > 0) {
             double panel = law->panel[piece];
             *alone |= within & ((a > panel * b) | (b > panel * a));
-            here = blend_discrete(law, piece, a, b, ds * ab / (a + b));
+            here = blend_discrete(law, piece, a, b, ds * ends.of_sum);
         } else {
             here = sum_discrete(law, piece, a, b);
         }
         value = choose(within, here, value);
     }
-    return value * ab * ab / (a + b);
+    return value * (a * b * ends.of_sum);
 }
 
 static void whole_discrete(const dl_law *law, const double *s0, const double *s1, const double *ds,

@@ -281,11 +281,122 @@ DL_INLINE void block_rows(const dl_pair_arrays *p, const dl_pair_block *block, l
         if (first >= block->partners_end)
             continue;
         size_t count = block->partners_end - first;
-        bool changes = row_distances(&in, b, form, i, first, count);
+        row_distances(&in, b, form, i, first, count);
         evaluate(p, b, form, count);
         row_forces(p, b, form, i, first, count);
-        if (form.periodic && form.discrete && changes)
-            add_copies_at_end(p, &in, form, i, first, count);
+    }
+}
+
+/* --- discrete forces: many rows at once ----------------------------------------------------------
+ *
+ * The way from distances to forces is long beside a short row. So rows stand one behind the other
+ * in the buffers, as many as have room, and the law sees them all at once. Then the partners'
+ * forces are gone through vector by vector, all rows for each: were they row after row, each would
+ * wait for the stores of the one before, which its own loads straddle. */
+
+/* Pairs that there is room for, or a row where that is longer (dl_row_buffer_size), and rows. */
+enum { BATCH = 640, BATCH_ROWS = 64 };
+
+typedef struct batch {
+    size_t begin, rows;                         /* from particle `begin` on */
+    size_t first[BATCH_ROWS], pair[BATCH_ROWS]; /* partner of each, and where it stands */
+    vector sum[BATCH_ROWS][3];                  /* its force */
+    bool changes;                               /* the nearest copy of any pair does */
+} batch;
+
+static const lane_mask lane_numbers =
+#if DL_LANES == 8
+    {0, 1, 2, 3, 4, 5, 6, 7};
+#elif DL_LANES == 4
+    {0, 1, 2, 3};
+#else
+    {0, 1};
+#endif
+
+DL_INLINE size_t first_partner(const dl_pair_block *block, size_t i) {
+    return i + 1 > block->partners_begin ? i + 1 : block->partners_begin;
+}
+
+DL_INLINE buffers from_pair(buffers b, loop_form form, size_t pair) {
+    buffers there = {.s = b.s + pair, .s1 = b.s1 + pair, .ds = b.ds + pair, .f = b.f + pair};
+    for (int c = 0; c < form.dimension; c++)
+        there.d[c] = b.d[c] + pair;
+    return there;
+}
+
+/* Distances of as many rows as have room, and their law. */
+DL_INLINE void fill_batch(const dl_pair_arrays *p, const dl_pair_block *block, loop_form form,
+                          buffers b, size_t room, batch *of) {
+    inputs in = inputs_of(p, form);
+    size_t pairs = 0;
+    of->rows = 0;
+    of->changes = false;
+    for (size_t i = of->begin; i < block->end && of->rows < BATCH_ROWS; i++) {
+        size_t first = first_partner(block, i);
+        if (first >= block->partners_end)
+            first = block->partners_end;
+        size_t count = block->partners_end - first;
+        if (of->rows > 0 && pairs + count > room)
+            break;
+        of->changes |= row_distances(&in, from_pair(b, form, pairs), form, i, first, count);
+        of->first[of->rows] = first;
+        of->pair[of->rows++] = pairs;
+        pairs += count;
+    }
+    evaluate(p, b, form, pairs);
+}
+
+/* The force of row k on the partners from `j` on, whose own is `force`. */
+DL_INLINE void add_row_to(const dl_pair_arrays *p, buffers b, loop_form form, size_t end, size_t j,
+                          size_t k, batch *of, vector force[3]) {
+    ptrdiff_t at = (ptrdiff_t)of->pair[k] + (ptrdiff_t)j - (ptrdiff_t)of->first[k];
+    vector f = load(b.f + at);
+    if (of->first[k] > j || j + DL_LANES > end) { /* others' pairs stand on both sides */
+        lane_mask partner = lane_numbers + (int64_t)j;
+        f = choose((partner >= (int64_t)of->first[k]) & (partner < (int64_t)end), f, splat(0));
+    }
+    if (form.coupled)
+        f *= p->coupling[of->begin + k] * load(p->coupling + j);
+    for (int c = 0; c < form.dimension; c++) {
+        vector own = f * load(b.d[c] + at);
+        force[c] -= own;
+        of->sum[k][c] += own;
+    }
+}
+
+DL_INLINE void batch_forces(const dl_pair_arrays *p, buffers b, loop_form form, size_t end,
+                            batch *of) {
+    size_t rows = 0;
+    for (size_t k = 0; k < of->rows; k++)
+        for (int c = 0; c < form.dimension; c++)
+            of->sum[k][c] = splat(0);
+    for (size_t j = of->first[0] / DL_LANES * DL_LANES; j < end; j += DL_LANES) {
+        vector force[3];
+        while (rows < of->rows && of->first[rows] < j + DL_LANES)
+            rows++; /* they have a partner here */
+        for (int c = 0; c < form.dimension; c++)
+            force[c] = load(p->f[c] + j);
+        for (size_t k = 0; k < rows; k++)
+            add_row_to(p, b, form, end, j, k, of, force);
+        for (int c = 0; c < form.dimension; c++)
+            store(p->f[c] + j, force[c]);
+    }
+    for (size_t k = 0; k < of->rows; k++)
+        for (int c = 0; c < form.dimension; c++)
+            p->f[c][of->begin + k] += sum_lanes(of->sum[k][c]);
+}
+
+DL_INLINE void block_batches(const dl_pair_arrays *p, const dl_pair_block *block, loop_form form) {
+    size_t room = p->particles > BATCH ? p->particles : BATCH, end = block->partners_end;
+    /* what is read before the first pair is there */
+    buffers b = from_pair(lay_out(p->buffer, room + DL_VECTOR_PAD), form, DL_LANES);
+    inputs in = inputs_of(p, form);
+    batch of;
+    for (of.begin = block->begin; of.begin < block->end; of.begin += of.rows) {
+        fill_batch(p, block, form, b, room, &of);
+        batch_forces(p, b, form, end, &of);
+        for (size_t k = 0; form.periodic && of.changes && k < of.rows; k++)
+            add_copies_at_end(p, &in, form, of.begin + k, of.first[k], end - of.first[k]);
     }
 }
 
@@ -299,7 +410,7 @@ typedef void list_loop(const dl_pair_arrays *p, const dl_neighbours *list);
         block_rows(p, block, (loop_form){dimension, coupled, periodic, false});                    \
     }                                                                                              \
     static void block_discrete_##name(const dl_pair_arrays *p, const dl_pair_block *block) {       \
-        block_rows(p, block, (loop_form){dimension, coupled, periodic, true});                     \
+        block_batches(p, block, (loop_form){dimension, coupled, periodic, true});                  \
     }                                                                                              \
     static void list_##name(const dl_pair_arrays *p, const dl_neighbours *list) {                  \
         list_rows(p, list, (loop_form){dimension, coupled, periodic, false});                      \

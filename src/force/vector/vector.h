@@ -46,10 +46,14 @@ DL_INLINE vector choose(lane_mask mask, vector yes, vector no) {
 }
 
 DL_INLINE double sum_lanes(vector v) {
+#if defined(DL_ISA_avx512)
+    return _mm512_reduce_add_pd((__m512d)v);
+#else
     double sum = 0;
     for (int k = 0; k < DL_LANES; k++)
         sum += v[k];
     return sum;
+#endif
 }
 
 DL_INLINE bool any_lane(lane_mask mask) {
@@ -73,6 +77,19 @@ DL_INLINE uint64_t bits_of(lane_mask mask) {
 #endif
 }
 
+#if !defined(DL_ISA_avx512)
+DL_INLINE vector root(vector s) {
+#if defined(DL_ISA_avx2)
+    return (vector)_mm256_sqrt_pd((__m256d)s);
+#else
+    vector of;
+    for (int k = 0; k < DL_LANES; k++)
+        of[k] = sqrt(s[k]);
+    return of;
+#endif
+}
+#endif
+
 /* 1/sqrt(s) to full double accuracy. AVX-512 has an estimate y with 14 bits, and with e = 1 - s y^2
  *
  *     1/sqrt(s) = y (1 - e)^(-1/2) = y (1 + e/2 + 3/8 e^2 + 5/16 e^3 + ...),
@@ -82,13 +99,29 @@ DL_INLINE vector inverse_sqrt(vector s) {
 #if defined(DL_ISA_avx512)
     vector y = (vector)_mm512_rsqrt14_pd((__m512d)s), e = 1.0 - s * y * y;
     return y + y * e * (0.5 + e * (0.375 + e * 0.3125));
-#elif defined(DL_ISA_avx2)
-    return 1.0 / (vector)_mm256_sqrt_pd((__m256d)s);
 #else
-    vector root;
-    for (int k = 0; k < DL_LANES; k++)
-        root[k] = sqrt(s[k]);
-    return 1.0 / root;
+    return 1.0 / root(s);
+#endif
+}
+
+/* A step's ends, from their squared distances: 1/r0, 1/r1 and 1/(r0 + r1). */
+typedef struct inverse_ends {
+    vector a, b, of_sum;
+} inverse_ends;
+
+/* Divisions are what costs: AVX-512 has estimates for all three inverses, elsewhere one division
+ * serves them. */
+DL_INLINE inverse_ends inverses_of(vector s0, vector s1) {
+#if defined(DL_ISA_avx512)
+    vector a = inverse_sqrt(s0), b = inverse_sqrt(s1), sum = a + b;
+    vector y = (vector)_mm512_rcp14_pd((__m512d)sum);
+    y += y * (1.0 - sum * y); /* 28 bits, */
+    y += y * (1.0 - sum * y); /* all */
+    return (inverse_ends){a, b, a * b * y};
+#else
+    vector r0 = root(s0), r1 = root(s1), sum = r0 + r1, product = r0 * r1;
+    vector all = 1.0 / (product * sum), of_product = sum * all;
+    return (inverse_ends){r1 * of_product, r0 * of_product, product * all};
 #endif
 }
 
