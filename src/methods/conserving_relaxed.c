@@ -153,6 +153,7 @@ const dl_method_row dl_method_conserving_relaxed = {
     .family = "conserving",
     .doc = "TR171's energy-conserving scheme by the relaxed iteration of its FORTRAN appendix",
     .order = 2,
+    .made_of = "implicit, one discrete force an iteration",
     .flags = DL_TIME_SYMMETRIC | DL_CONSERVES_ENERGY | DL_CONSERVES_MOMENTUM | DL_IMPLICIT |
              DL_FIXED_STEP | DL_RESTARTS_EXACTLY,
     .options = DL_OPTIONS_TABLE(options),

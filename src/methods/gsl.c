@@ -261,14 +261,14 @@ static const dl_parameter implicit_options[] = {DL_OPTION_STEP_OR_ADAPTIVE(gsl_o
 static const dl_parameter multistep_options[] = {DL_OPTION_RTOL(gsl_options),
                                                  DL_OPTION_ATOL(gsl_options)};
 
-#define GSL(stepper, name_, order_, stages_, forces_, matrices_, flags_, table, doc_)              \
+#define GSL(stepper, name_, order_, made_, forces_, matrices_, flags_, table, doc_)                \
     static const gsl_variant stepper = {&gsl_odeiv2_step_##stepper, matrices_};                    \
     const dl_method_row dl_method_gsl_##stepper = {                                                \
         .name = name_,                                                                             \
         .family = "GSL",                                                                           \
         .doc = doc_ " (GSL)",                                                                      \
         .order = order_,                                                                           \
-        .stages = stages_,                                                                         \
+        made_,                                                                                     \
         .forces = forces_,                                                                         \
         .flags = DL_ADAPTIVE | (flags_),                                                           \
         .options = DL_OPTIONS_TABLE(table),                                                        \
@@ -277,25 +277,30 @@ static const dl_parameter multistep_options[] = {DL_OPTION_RTOL(gsl_options),
         .ops = &ops,                                                                               \
     }
 
-#define IMPLICIT (DL_IMPLICIT | DL_NEEDS_JACOBIAN)
+#define STAGES(count)  .stages = (count)
+#define MADE_OF(words) .made_of = (words)
+#define IMPLICIT       (DL_IMPLICIT | DL_NEEDS_JACOBIAN)
 
-GSL(rk2, "gsl-rk2", 3, 3, 4, 0, DL_FIXED_STEP, explicit_options,
+GSL(rk2, "gsl-rk2", 3, STAGES(3), 4, 0, DL_FIXED_STEP, explicit_options,
     "Runge-Kutta 2(3), going on with the result of order 3");
-GSL(rk4, "gsl-rk4", 4, 4, 12, 0, DL_FIXED_STEP, explicit_options,
+GSL(rk4, "gsl-rk4", 4, STAGES(4), 12, 0, DL_FIXED_STEP, explicit_options,
     "the classical Runge-Kutta method, error by step doubling");
-GSL(rkf45, "gsl-rkf45", 5, 6, 7, 0, DL_FIXED_STEP, explicit_options, "Runge-Kutta-Fehlberg 4(5)");
-GSL(rkck, "gsl-rkck", 5, 6, 7, 0, DL_FIXED_STEP, explicit_options, "Runge-Kutta Cash-Karp 4(5)");
-GSL(rk8pd, "gsl-rk8pd", 8, 13, 14, 0, DL_FIXED_STEP, explicit_options,
+GSL(rkf45, "gsl-rkf45", 5, STAGES(6), 7, 0, DL_FIXED_STEP, explicit_options,
+    "Runge-Kutta-Fehlberg 4(5)");
+GSL(rkck, "gsl-rkck", 5, STAGES(6), 7, 0, DL_FIXED_STEP, explicit_options,
+    "Runge-Kutta Cash-Karp 4(5)");
+GSL(rk8pd, "gsl-rk8pd", 8, STAGES(13), 14, 0, DL_FIXED_STEP, explicit_options,
     "Runge-Kutta Prince-Dormand 8(9)");
-GSL(rk1imp, "gsl-rk1imp", 1, 1, 0, 2, DL_FIXED_STEP | IMPLICIT, implicit_options,
+GSL(rk1imp, "gsl-rk1imp", 1, STAGES(1), 0, 2, DL_FIXED_STEP | IMPLICIT, implicit_options,
     "implicit Euler method in two half steps, Newton with a dense Jacobian");
-GSL(rk2imp, "gsl-rk2imp", 2, 1, 0, 2, DL_FIXED_STEP | IMPLICIT, implicit_options,
+GSL(rk2imp, "gsl-rk2imp", 2, STAGES(1), 0, 2, DL_FIXED_STEP | IMPLICIT, implicit_options,
     "implicit midpoint method in two half steps, Newton with a dense Jacobian");
-GSL(rk4imp, "gsl-rk4imp", 4, 2, 0, 5, DL_FIXED_STEP | IMPLICIT, implicit_options,
+GSL(rk4imp, "gsl-rk4imp", 4, STAGES(2), 0, 5, DL_FIXED_STEP | IMPLICIT, implicit_options,
     "Gauss collocation of 2 stages in two half steps, Newton with a dense Jacobian");
-GSL(bsimp, "gsl-bsimp", 14, 0, 140, 2, DL_FIXED_STEP | IMPLICIT, explicit_options,
+GSL(bsimp, "gsl-bsimp", 14, MADE_OF("extrapolated from 7 rows of semi-implicit midpoint steps"),
+    140, 2, DL_FIXED_STEP | IMPLICIT, explicit_options,
     "semi-implicit extrapolation of Bader and Deuflhard, 7 columns, with a dense Jacobian");
-GSL(msadams, "gsl-msadams", 0, 0, 0, 0, 0, multistep_options,
+GSL(msadams, "gsl-msadams", 0, MADE_OF("multistep"), 0, 0, 0, multistep_options,
     "Adams in Nordsieck form, orders 1-12, variable step");
-GSL(msbdf, "gsl-msbdf", 0, 0, 0, 2, IMPLICIT, multistep_options,
+GSL(msbdf, "gsl-msbdf", 0, MADE_OF("multistep"), 0, 2, IMPLICIT, multistep_options,
     "BDF in Nordsieck form, orders 1-5, variable step, Newton with a dense Jacobian");
