@@ -6,7 +6,12 @@
  *
  *     J = [0 I; A 0],   A = d a / d q,
  *
- * and estimate their error by doubling the step, but for bsimp and msbdf. */
+ * and estimate their error by doubling the step, but for bsimp and msbdf.
+ *
+ * bsimp gives a step up where an iterate differs by too many times a component's value from it
+ * (GSL 2.7: the sum of |delta_i/y_i| beyond 100 a component, y_i = 0 counting as 1), and so could
+ * not take one from near rest at which a force acts, however short. It gets y - s instead, with s_i
+ * = y_i of what is small and else 0, which satisfies the same equations. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,6 +36,8 @@ typedef struct gsl {
     double *work;              /* [2 unknowns]: what GSL steps, so that a failure leaves y alone */
     double *values;            /* of A, [values_size] */
     size_t values_size;
+    double *small; /* [2 unknowns]: s of bsimp's step; NULL where all of y is stepped */
+    double *whole; /* [2 unknowns]: y where that is not */
     dl_model *model;
     dl_status model_status; /* last failure of the model in this step */
     dl_error model_error;
@@ -39,12 +46,33 @@ typedef struct gsl {
     double window_start; /* a time */
 } gsl;
 
+/* Of a component, beside the largest position or velocity. */
+static const double is_small = 1e-3;
+
+static void take_small(double *y, double *small, size_t n) {
+    double most = 0;
+    for (size_t i = 0; i < n; i++)
+        most = fmax(most, fabs(y[i]));
+    for (size_t i = 0; i < n; i++) {
+        small[i] = fabs(y[i]) < is_small * most ? y[i] : 0;
+        y[i] -= small[i];
+    }
+}
+
+static const double *whole_of(gsl *data, const double *y) {
+    if (!data->small)
+        return y;
+    for (size_t i = 0; i < 2 * data->model->unknowns; i++)
+        data->whole[i] = y[i] + data->small[i];
+    return data->whole;
+}
+
 /* A state without a finite acceleration may be avoided by a shorter step; GSL tries one unless the
  * answer is GSL_EBADFUNC. */
 static int rhs(double t, const double y[], double ydot[], void *parameters) {
     (void)t;
     gsl *const data = parameters;
-    data->model_status = dl_model_rhs(data->model, y, ydot, &data->model_error);
+    data->model_status = dl_model_rhs(data->model, whole_of(data, y), ydot, &data->model_error);
     if (!data->model_status)
         return GSL_SUCCESS;
     return data->model_status == DL_UNSTABLE ? GSL_EDOM : GSL_EBADFUNC;
@@ -74,7 +102,7 @@ static int jacobian(double t, const double y[], double *dfdy, double dfdt[], voi
     const dl_sparsity *a = NULL;
     memset(dfdt, 0, length * sizeof *dfdt);
     memset(dfdy, 0, length * length * sizeof *dfdy);
-    data->model_status = evaluate(data, y, &a, &data->model_error);
+    data->model_status = evaluate(data, whole_of(data, y), &a, &data->model_error);
     if (data->model_status)
         return data->model_status == DL_UNSTABLE ? GSL_EDOM : GSL_EBADFUNC;
     for (size_t row = 0; row < n; row++)
@@ -105,6 +133,12 @@ static dl_status gsl_create(dl_method *method, dl_error *error) {
     data->system = (gsl_odeiv2_system){
         .function = rhs, .jacobian = jacobian, .dimension = length, .params = data};
     data->work = malloc(length * sizeof *data->work);
+    if (*variant->type == gsl_odeiv2_step_bsimp) {
+        data->small = calloc(2 * length + 1, sizeof *data->small);
+        if (!data->small)
+            return dl_fail_memory(error, "a GSL stepper");
+        data->whole = data->small + length;
+    }
     if (variant->matrices > 0 && !has_room(variant->matrices, length))
         return dl_fail_memory(error, "the matrices of a GSL stepper");
     const double first_step = method->step > 0 ? method->step : method->model->scene->step / 100;
@@ -197,6 +231,10 @@ static dl_status gsl_advance(dl_method *method, double t_stop, dl_error *error) 
     const unsigned long rejected_before = evolve->failed_steps;
     double t = method->t;
     memcpy(data->work, method->y, bytes);
+    if (data->small) {
+        take_small(data->work, data->small, method->n);
+        take_small(data->work + method->n, data->small + method->n, method->n);
+    }
     data->model_status = DL_OK;
     const int flag = method->step > 0
                          ? gsl_odeiv2_evolve_apply_fixed_step(
@@ -211,7 +249,7 @@ static dl_status gsl_advance(dl_method *method, double t_stop, dl_error *error) 
         driver->h = step_before;
         return status;
     }
-    memcpy(method->y, data->work, bytes);
+    memcpy(method->y, whole_of(data, data->work), bytes);
     data->steps++;
     method->t = t;
     if (method->step > 0)
@@ -238,6 +276,7 @@ static void gsl_destroy(dl_method *method) {
             gsl_odeiv2_driver_free(data->driver);
         free(data->work);
         free(data->values);
+        free(data->small);
     }
     free(data);
 }
