@@ -82,6 +82,21 @@ static void help_everywhere(void **state) {
     assert_int_equal(driftlab("")->exit, 2);
 }
 
+/* How many stages, or what else a step consists of, in the line under which a row is listed. */
+static void expect_step(const dl_method_row *row, const dl_method_table *step) {
+    char words[160] = "";
+    if (step->stages)
+        snprintf(words, sizeof words, "%s  (%s, order %d, %d stage", row->name, row->family,
+                 step->order, step->stages);
+    else if (row->order)
+        snprintf(words, sizeof words, "%s  (%s, order %d, %s", row->name, row->family, row->order,
+                 row->made_of);
+    else
+        snprintf(words, sizeof words, "%s  (%s, order varies, %s", row->name, row->family,
+                 row->made_of);
+    expect_text("list methods", words);
+}
+
 static void lists_every_method(void **state) {
     (void)state;
     json_t *list = object_of("list methods --json", 0);
@@ -90,8 +105,11 @@ static void lists_every_method(void **state) {
         const dl_method_row *row = dl_method_row_at(i);
         const json_t *method = json_array_get(list, i);
         assert_string_equal(text_of(method, "name"), row->name);
-        assert_int_equal(count_of(method, "order"), row->order);
-        assert_int_equal(count_of(method, "stages"), row->stages);
+        dl_method_table step = {.order = row->order, .stages = row->stages};
+        assert_int_equal(dl_method_default_table(row, &step), row->table != NULL);
+        assert_int_equal(count_of(method, "order"), step.order);
+        assert_int_equal(count_of(method, "stages"), step.stages);
+        expect_step(row, &step);
         assert_int_equal(count_of(method, "forces"), row->forces);
         assert_true(json_array_size(json_object_get(method, "properties")) > 0);
         const json_t *options = json_object_get(method, "options");

@@ -233,6 +233,51 @@ static void the_control_does_not_keep_it(void **state) {
         assert_true(walled_error("implicit-midpoint", dimension, DL_END_SHIFTED_FORCE) > 1e-6);
 }
 
+/* Two particles at rest, `apart`, that push each other with 1/r^2 up to 1: with a step h the force
+ * puts them h^2/2 F farther apart in the middle. One step. */
+static dl_status step_of_pair(const char *method, double apart, double h, bool located,
+                              dl_error *error) {
+    dl_scene *const scene = fixture_scene("pair", 2, 2);
+    scene->law = (dl_pair_law){
+        .pieces = 1,
+        .piece = {{.until = 1, .terms = 1, .term = {{1, 2}}, .located = located}},
+    };
+    fixture_place(scene, 1, (double[3]){apart, 0}, (double[3]){0, 0});
+    scene->step = scene->end = h;
+    const dl_run_options how = run_options(0, 0);
+    void *const options = options_of(method_of(method), scene, "");
+    dl_run_summary summary;
+    assert_int_equal(dl_run(scene, method_of(method), options, &how, &summary, NULL, error), DL_OK);
+    snprintf(error->message, sizeof error->message, "%s", summary.message);
+    dl_method_options_free(method_of(method), options);
+    dl_scene_free(scene);
+    return summary.status;
+}
+
+/* With either force the middle is on the other's side, if the step is as short as it may. */
+static void a_middle_in_the_gap_is_said(void **state) {
+    (void)state;
+    static const struct {
+        double h, apart;
+        const char *inside, *outside;
+    } gaps[] = {{0.1, 0.9975, " 1.0025 ", " 0.9975 "}, {1e-3, 0.99999975, " 1.00000025 ", NULL}};
+    for (size_t k = 0; k < sizeof gaps / sizeof *gaps; k++) {
+        dl_error error = {""};
+        const double h = gaps[k].h, apart = gaps[k].apart;
+        assert_int_equal(step_of_pair("implicit-midpoint", apart, h, false, &error),
+                         DL_NONLINEAR_FAILURE);
+        if (!strstr(error.message, "particles 0 and 1") || !strstr(error.message, gaps[k].inside) ||
+            (gaps[k].outside && !strstr(error.message, gaps[k].outside)))
+            fail_msg("\"%s\"", error.message);
+        /* farther in, or out, there is a solution; and for other means, or where it stops */
+        assert_int_equal(step_of_pair("implicit-midpoint", 1 - h * h, h, false, &error), DL_OK);
+        assert_int_equal(step_of_pair("implicit-midpoint", 1 + h * h, h, false, &error), DL_OK);
+        assert_int_equal(step_of_pair("implicit-midpoint", apart, h, true, &error), DL_OK);
+        assert_int_equal(step_of_pair("conserving-fixed-point", apart, h, false, &error), DL_OK);
+        assert_int_equal(step_of_pair("conserving-gonzalez", apart, h, false, &error), DL_OK);
+    }
+}
+
 /* TR323's fluid in the small settles: pairs come to rest on the breakpoint. */
 static void the_energy_stays_where_pairs_rest_on_a_breakpoint(void **state) {
     (void)state;
@@ -296,6 +341,7 @@ int main(void) {
         cmocka_unit_test(products_are_the_derivatives),
         cmocka_unit_test(energy_stays_through_everything),
         cmocka_unit_test(the_control_does_not_keep_it),
+        cmocka_unit_test(a_middle_in_the_gap_is_said),
         cmocka_unit_test(the_energy_stays_where_pairs_rest_on_a_breakpoint),
         cmocka_unit_test(two_keep_the_linear_momentum_alone),
         cmocka_unit_test(the_linear_momentum_is_kept_where_the_centre_moves),

@@ -292,6 +292,62 @@ static void explicit_methods_take_their_forces(void **state) {
     }
 }
 
+/* The table by which ARKODE's rows go has the order that its word ends in, and the stages that its
+ * source gives it. */
+static void steps_are_of_what_rows_say(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        int order, stages;
+    } tables[] = {
+        {"arkode-erk", 5, 7},            /* Dormand and Prince 1980 */
+        {"arkode-dirk", 4, 7},           /* ESDIRK4(3)7L[2]SA */
+        {"arkode-imex", 4, 7},           /* ARK4(3)7L[2]SA */
+        {"arkode-mri", 4, 6},            /* MRI-GARK-ERK45a: five, and the end of the step */
+        {"arkode-erk-relaxation", 5, 6}, /* Cash and Karp 1990 */
+        {"arkode-sprk", 4, 4},           /* McLachlan and Atela 1992 */
+    };
+    size_t by_table = 0;
+    FOR_EACH_ROW(row) {
+        dl_method_table table = {0, 0};
+        const bool has_table = dl_method_default_table(row, &table);
+        if ((row->stages > 0) + (row->made_of != NULL) + has_table != 1)
+            fail_msg("%s: a step's stages are said %d times", row->name,
+                     (row->stages > 0) + (row->made_of != NULL) + has_table);
+        size_t k = 0;
+        while (has_table && k < sizeof tables / sizeof *tables &&
+               strcmp(tables[k].name, row->name) != 0)
+            k++;
+        if (!has_table)
+            continue;
+        assert_true(k < sizeof tables / sizeof *tables);
+        assert_int_equal(table.order, tables[k].order);
+        assert_int_equal(table.stages, tables[k].stages);
+        by_table++;
+    }
+    assert_true(by_table >= 4);
+}
+
+static void words_of_tables_end_in_their_order(void **state) {
+    (void)state;
+    int words = 0;
+    FOR_EACH_ROW(row)
+    for (size_t i = 0; row->table && i < row->options.count; i++) {
+        const dl_parameter *const option = &row->options.rows[i];
+        dl_method_table table;
+        for (size_t k = 0; option->kind == DL_WORD && option->words[k]; k++) {
+            if (!row->table(option->words, k, &table))
+                continue;
+            const int order = atoi(strrchr(option->words[k], '-') + 1);
+            if (table.order != order || table.stages < 1)
+                fail_msg("%s: %s has order %d and %d stages", row->name, option->words[k],
+                         table.order, table.stages);
+            words++;
+        }
+    }
+    assert_true(words > 60);
+}
+
 static void steps_take_the_forces_that_rows_say(void **state) {
     (void)state;
     int rows = 0;
@@ -872,6 +928,8 @@ int main(void) {
         cmocka_unit_test(jumps_are_noticed),
         cmocka_unit_test(work_is_counted),
         cmocka_unit_test(explicit_methods_take_their_forces),
+        cmocka_unit_test(steps_are_of_what_rows_say),
+        cmocka_unit_test(words_of_tables_end_in_their_order),
         cmocka_unit_test(steps_take_the_forces_that_rows_say),
         cmocka_unit_test(lasting_failure_is_reported),
         cmocka_unit_test(single_failure_leaves_the_state),

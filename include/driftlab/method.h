@@ -66,14 +66,24 @@ typedef struct dl_method_ops {
     void (*destroy)(dl_method *method); /* frees data; data may be NULL or half built */
 } dl_method_ops;
 
+/* What one word of an option that chooses coefficients stands for. */
+typedef struct dl_method_table {
+    int order, stages;
+} dl_method_table;
+
 /* A row of the registry. */
 typedef struct dl_method_row {
-    const char *name;   /* "leapfrog", "composition-6-yoshida", "cvode-bdf" ... */
-    const char *family; /* "leap-frog", "composition", "Gauss", "ARKODE", "conserving" ... */
-    const char *doc;    /* one line, with the source */
-    int order;          /* of convergence at fixed step; 0 where it varies */
-    int stages;         /* of a step; 0: it has none, or an option sets them */
-    int forces;         /* accelerations a step takes, but for a first one; 0: they vary */
+    const char *name;    /* "leapfrog", "composition-6-yoshida", "cvode-bdf" ... */
+    const char *family;  /* "leap-frog", "composition", "Gauss", "ARKODE", "conserving" ... */
+    const char *doc;     /* one line, with the source */
+    int order;           /* of convergence at fixed step; 0 where it varies */
+    int stages;          /* of a step; 0: `made_of` or `table` says it */
+    const char *made_of; /* what a step consists of, where it is no number of stages that is always
+                            the same: "multistep" ...; NULL elsewhere */
+    /* Order and stages of the index-th of `words`, the words of one of the row's options; false
+     * where they are no coefficients, or memory is out. NULL: the row has no such option. */
+    bool (*table)(const char *const *words, size_t index, dl_method_table *found);
+    int forces; /* accelerations a step takes, but for a first one; 0: they vary */
     unsigned flags;
     dl_parameter_table options;
     size_t options_size; /* of the structure the table describes; its objects are longer: only
@@ -97,6 +107,10 @@ struct dl_method {
 
 size_t dl_method_count(void);
 const dl_method_row *dl_method_row_at(size_t index);
+
+/* The table of coefficients that a row goes by with its options' defaults: that of its first option
+ * which chooses one. False where it has none. */
+bool dl_method_default_table(const dl_method_row *row, dl_method_table *table);
 
 /* Row of that name; DL_INPUT with the closest match where there is none. */
 dl_status dl_method_find(const char *name, const dl_method_row **row, dl_error *error);

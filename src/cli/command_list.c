@@ -32,25 +32,41 @@ static void print_methods(FILE *out) {
     }
 }
 
+/* Of the words of an option that are tables of coefficients; NULL where they are not. */
+static json_t *tables_json(const dl_method_row *row, const dl_parameter *option) {
+    dl_method_table table;
+    if (!row->table || option->kind != DL_WORD || !row->table(option->words, 0, &table))
+        return NULL;
+    json_t *const list = json_array();
+    for (size_t k = 0; option->words[k]; k++)
+        if (row->table(option->words, k, &table))
+            json_array_append_new(list, json_pack("{s:s, s:i, s:i}", "name", option->words[k],
+                                                  "order", table.order, "stages", table.stages));
+    return list;
+}
+
 static json_t *option_json(const dl_method_row *row, const dl_parameter *option) {
     char range[1024];
     dl_parameter_range(option, range, sizeof range);
     const char *const when = dl_parameter_cause(row->options, option) ? option->when : NULL;
-    return json_pack("{s:s, s:s, s:s?, s:s, s:s, s:s?}", "name", option->name, "range", range,
+    return json_pack("{s:s, s:s, s:s?, s:s, s:s, s:s?, s:o*}", "name", option->name, "range", range,
                      "default", option->fallback, "unit", option->unit, "doc", option->doc, "when",
-                     when);
+                     when, "tables", tables_json(row, option));
 }
 
 static json_t *method_json(const dl_method_row *row) {
     json_t *properties = json_array(), *choices = json_array();
+    dl_method_table step = {.order = row->order, .stages = row->stages};
+    dl_method_default_table(row, &step);
     for (const cli_flag_word *flag = cli_flag_words; flag->flag; flag++)
         if (row->flags & flag->flag)
             json_array_append_new(properties, json_string(flag->words));
     for (size_t i = 0; i < row->options.count; i++)
         json_array_append_new(choices, option_json(row, &row->options.rows[i]));
-    return json_pack("{s:s, s:s, s:s, s:i, s:i, s:i, s:o, s:o}", "name", row->name, "family",
-                     row->family, "doc", row->doc, "order", row->order, "stages", row->stages,
-                     "forces", row->forces, "properties", properties, "options", choices);
+    return json_pack("{s:s, s:s, s:s, s:i, s:i, s:s?, s:i, s:o, s:o}", "name", row->name, "family",
+                     row->family, "doc", row->doc, "order", step.order, "stages", step.stages,
+                     "made_of", row->made_of, "forces", row->forces, "properties", properties,
+                     "options", choices);
 }
 
 static json_t *methods_json(void) {

@@ -61,18 +61,39 @@ void cli_help_command(const cli_command *command, FILE *out) {
     }
 }
 
-void cli_help_method(const dl_method_row *row, FILE *out) {
-    fprintf(out, "%s  (%s, ", row->name, row->family);
-    if (row->order)
-        fprintf(out, "order %d", row->order);
+static void print_step(const dl_method_row *row, FILE *out) {
+    dl_method_table shown = {.order = row->order, .stages = row->stages};
+    const bool by_table = dl_method_default_table(row, &shown);
+    if (shown.order)
+        fprintf(out, "order %d", shown.order);
     else
         fputs("order varies", out);
-    if (row->stages)
-        fprintf(out, ", %d stage%s", row->stages, row->stages == 1 ? "" : "s");
+    if (shown.stages)
+        fprintf(out, ", %d stage%s", shown.stages, shown.stages == 1 ? "" : "s");
+    if (by_table)
+        fputs(" with the default table", out);
+    if (row->made_of)
+        fprintf(out, ", %s", row->made_of);
     if (row->forces)
         fprintf(out, ", %d force%s a step", row->forces, row->forces == 1 ? "" : "s");
-    fputs(")\n", out);
-    fprintf(out, "    %s\n    ", row->doc);
+}
+
+/* Under an option whose words are tables of coefficients: the stages of each. */
+static void print_tables(const dl_method_row *row, const dl_parameter *option, FILE *out) {
+    dl_method_table table;
+    if (!row->table || option->kind != DL_WORD || !row->table(option->words, 0, &table))
+        return;
+    fprintf(out, "    %-16s stages:", "");
+    for (size_t k = 0; option->words[k]; k++)
+        if (row->table(option->words, k, &table))
+            fprintf(out, "%s %s %d", k ? "," : "", option->words[k], table.stages);
+    fputc('\n', out);
+}
+
+void cli_help_method(const dl_method_row *row, FILE *out) {
+    fprintf(out, "%s  (%s, ", row->name, row->family);
+    print_step(row, out);
+    fprintf(out, ")\n    %s\n    ", row->doc);
     const char *separator = "";
     for (const cli_flag_word *flag = cli_flag_words; flag->flag; flag++)
         if (row->flags & flag->flag) {
@@ -91,5 +112,6 @@ void cli_help_method(const dl_method_row *row, FILE *out) {
         if (dl_parameter_cause(row->options, option))
             fprintf(out, " (with %s)", option->when);
         fputc('\n', out);
+        print_tables(row, option, out);
     }
 }

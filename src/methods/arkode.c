@@ -70,6 +70,14 @@ dl_status dl_arkode_check_estimate(const dl_method *method, ARKodeButcherTable t
                    method->row->name);
 }
 
+bool dl_arkode_describe(ARKodeButcherTable table, dl_method_table *found) {
+    if (!table)
+        return false;
+    *found = (dl_method_table){.order = table->q, .stages = table->stages};
+    ARKodeButcherTable_Free(table);
+    return true;
+}
+
 /* --- parts of the force ------------------------------------------------------------------------
  */
 

@@ -61,6 +61,9 @@ int dl_arkode_mend_last_stage(dl_arkode *data, ARKodeButcherTable explicit_part,
 dl_status dl_arkode_check_estimate(const dl_method *method, ARKodeButcherTable table,
                                    dl_error *error);
 
+/* Order and stages of a table, which is freed; false for NULL. */
+bool dl_arkode_describe(ARKodeButcherTable table, dl_method_table *found);
+
 /* One call for a step of the length method->step from method->t, method->y on, or of ARKODE's own
  * choice up to t_stop. */
 int dl_arkode_evolve(const dl_method *method, double t_stop, double *t);

@@ -43,6 +43,17 @@ static const pair_of_tables imex_tables[] = {
 #undef IDS
 };
 
+static bool describe_dirk(const char *const *of_words, size_t index, dl_method_table *found) {
+    return of_words == dirk_words &&
+           dl_arkode_describe(ARKodeButcherTable_LoadDIRK(dirk_tables[index].of_implicit), found);
+}
+
+/* Both tables of a pair have as many stages. */
+static bool describe_imex(const char *const *of_words, size_t index, dl_method_table *found) {
+    return of_words == imex_words &&
+           dl_arkode_describe(ARKodeButcherTable_LoadDIRK(imex_tables[index].of_implicit), found);
+}
+
 static void *create_dirk(dl_method *method) {
     const dl_arkode *const data = method->data;
     return ARKStepCreate(NULL, dl_sundials_rhs, 0, data->state, data->implicit.sundials.context);
@@ -120,7 +131,7 @@ const dl_method_row dl_method_arkode_dirk = {
     .family = "ARKODE",
     .doc = "diagonally implicit Runge-Kutta by a chosen table, fixed or adaptive step (SUNDIALS "
            "ARKODE)",
-    .order = 0,
+    .table = describe_dirk,
     .flags = DL_IMPLICIT | DL_ADAPTIVE | DL_FIXED_STEP | DL_NEEDS_JACOBIAN,
     .options = DL_OPTIONS_TABLE(options_of_dirk),
     .options_size = sizeof(dirk_options),
@@ -133,7 +144,7 @@ const dl_method_row dl_method_arkode_imex = {
     .family = "ARKODE",
     .doc = "additive Runge-Kutta: the scene's fast forces implicit, its slow ones explicit "
            "(SUNDIALS ARKODE)",
-    .order = 0,
+    .table = describe_imex,
     .flags = DL_IMPLICIT | DL_ADAPTIVE | DL_FIXED_STEP | DL_NEEDS_JACOBIAN | DL_SPLITS_FORCE,
     .options = DL_OPTIONS_TABLE(options_of_imex),
     .options_size = sizeof(dirk_options),

@@ -20,6 +20,11 @@ static const dl_parameter options[] = {
     DL_OPTION_TABLE(dl_erk_options, dl_erk_words, "dormand-prince-5", "Runge-Kutta coefficients"),
 };
 
+bool dl_erk_describe(const char *const *of_words, size_t index, dl_method_table *found) {
+    return of_words == dl_erk_words &&
+           dl_arkode_describe(ARKodeButcherTable_LoadERK(dl_erk_ids[index]), found);
+}
+
 void *dl_erk_create(dl_method *method) {
     const dl_arkode *const data = method->data;
     return ERKStepCreate(dl_sundials_rhs, 0, data->state, data->implicit.sundials.context);
@@ -53,7 +58,7 @@ const dl_method_row dl_method_arkode_erk = {
     .name = "arkode-erk",
     .family = "ARKODE",
     .doc = "explicit Runge-Kutta by a chosen table, fixed or adaptive step (SUNDIALS ARKODE)",
-    .order = 0,
+    .table = dl_erk_describe,
     .flags = DL_ADAPTIVE | DL_FIXED_STEP,
     .options = DL_OPTIONS_TABLE(options),
     .options_size = sizeof(dl_erk_options),

@@ -15,6 +15,9 @@ typedef struct dl_erk_options {
     int table; /* index into the above */
 } dl_erk_options;
 
+/* A row's `table`, of dl_erk_words alone. */
+bool dl_erk_describe(const char *const *of_words, size_t index, dl_method_table *found);
+
 /* ERKStep's part of a dl_arkode_kind. */
 void *dl_erk_create(dl_method *method);
 dl_status dl_erk_set_table(dl_method *method, ARKODE_ERKTableID id, dl_error *error);

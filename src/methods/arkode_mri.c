@@ -44,6 +44,17 @@ static MRIStepCoupling load_table(const dl_method *method) {
     return MRIStepCoupling_LoadTable(ids[((const mri_options *)method->options)->table]);
 }
 
+static bool describe(const char *const *of_words, size_t index, dl_method_table *found) {
+    if (of_words != words)
+        return dl_erk_describe(of_words, index, found);
+    MRIStepCoupling table = MRIStepCoupling_LoadTable(ids[index]);
+    if (!table)
+        return false;
+    *found = (dl_method_table){.order = table->q, .stages = table->stages};
+    MRIStepCoupling_Free(table);
+    return true;
+}
+
 /* --- the fast part -----------------------------------------------------------------------------
  */
 
@@ -221,7 +232,7 @@ const dl_method_row dl_method_arkode_mri = {
     .family = "ARKODE",
     .doc = "multirate: the scene's slow forces by long steps, its fast ones by short steps between "
            "them (SUNDIALS ARKODE)",
-    .order = 0,
+    .table = describe,
     .flags = DL_FIXED_STEP | DL_SPLITS_FORCE,
     .options = DL_OPTIONS_TABLE(options),
     .options_size = sizeof(mri_options),

@@ -30,6 +30,10 @@ static const ARKODE_ERKTableID ids[] = {
 #undef ID
 };
 
+static bool describe(const char *const *of_words, size_t index, dl_method_table *found) {
+    return of_words == words && dl_arkode_describe(ARKodeButcherTable_LoadERK(ids[index]), found);
+}
+
 static const dl_parameter options[] = {
     DL_OPTION_RTOL(dl_arkode_options),
     DL_OPTION_ATOL(dl_arkode_options),
@@ -246,7 +250,7 @@ const dl_method_row dl_method_arkode_erk_relaxation = {
     .family = "ARKODE",
     .doc = "explicit Runge-Kutta by a chosen table, relaxed to keep the energy, adaptive step "
            "(SUNDIALS ARKODE)",
-    .order = 0,
+    .table = describe,
     .flags = DL_ADAPTIVE | DL_CONSERVES_ENERGY,
     .options = DL_OPTIONS_TABLE(options),
     .options_size = sizeof(dl_erk_options),

@@ -29,6 +29,15 @@ static const char *const names[] = {
 #undef NAME
 };
 
+static bool describe(const char *const *of_words, size_t index, dl_method_table *found) {
+    ARKodeSPRKTable table = of_words == words ? ARKodeSPRKTable_LoadByName(names[index]) : NULL;
+    if (!table)
+        return false;
+    *found = (dl_method_table){.order = table->q, .stages = table->stages};
+    ARKodeSPRKTable_Free(table);
+    return true;
+}
+
 static int rate_of_velocities(sunrealtype t, N_Vector y, N_Vector ydot, void *user_data) {
     (void)t;
     dl_sundials *const sundials = user_data;
@@ -91,7 +100,7 @@ const dl_method_row dl_method_arkode_sprk = {
     .name = "arkode-sprk",
     .family = "ARKODE",
     .doc = "symplectic partitioned Runge-Kutta by a chosen table (SUNDIALS ARKODE)",
-    .order = 0,
+    .table = describe,
     .flags = DL_SYMPLECTIC | DL_CONSERVES_MOMENTUM | DL_FIXED_STEP,
     .options = DL_OPTIONS_TABLE(options),
     .options_size = sizeof(sprk_options),

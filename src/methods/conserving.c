@@ -20,6 +20,7 @@
 #include "methods/conserving_state.h"
 #include "methods/norms.h"
 #include "methods/registry.h"
+#include "model/middle_gap.h"
 
 typedef struct conserving {
     dl_conserving_choice choice;
@@ -114,6 +115,24 @@ static dl_status rescue(dl_method *method, double h, start from, dl_error *error
     return status;
 }
 
+/* Of a step by the force in the middle, where that is why: says so in the place of what the solver
+ * has said. */
+static dl_status explain(dl_method *method, double h, dl_error *error) {
+    conserving *const data = method->data;
+    dl_middle_gap gap;
+    if (variant_of(method)->mean != DL_MEAN_MIDPOINT ||
+        !dl_model_middle_gap(method->model, data->state.q, data->state.v, h, data->displacement,
+                             data->a, &gap))
+        return DL_NONLINEAR_FAILURE;
+    return dl_fail(
+        error, DL_NONLINEAR_FAILURE,
+        "%s: the step from t = %.10g has no solution, for the force in its middle jumps: in the "
+        "middle particles %zu and %zu would be %.10g apart with their force inside the breakpoint "
+        "at %g, and %.10g with that beyond it. Expected end: shifted-force or taper at the "
+        "breakpoint, or located: true, or a method that has the mean over the jump, as conserving",
+        method->row->name, method->t, gap.i, gap.j, gap.inside, gap.breakpoint, gap.outside);
+}
+
 static dl_status solve(dl_method *method, double h, dl_error *error) {
     conserving *const data = method->data;
     dl_status status = attempt(method, h, &data->solver, FROM_PAST, error);
@@ -123,7 +142,7 @@ static dl_status solve(dl_method *method, double h, dl_error *error) {
         status = attempt(method, h, &data->solver, FROM_START, error);
     if (status == DL_NONLINEAR_FAILURE && data->choice.has_rescue)
         status = rescue(method, h, FROM_START, error);
-    return status;
+    return status == DL_NONLINEAR_FAILURE ? explain(method, h, error) : status;
 }
 
 static dl_status conserving_advance(dl_method *method, double t_stop, dl_error *error) {

@@ -86,12 +86,14 @@ static const double suzuki[] = {SUZUKI_OUTER, SUZUKI_OUTER, 1 - 4 * SUZUKI_OUTER
 
 #define COMMON_FLAGS (DL_TIME_SYMMETRIC | DL_IMPLICIT | DL_FIXED_STEP)
 
-#define CONSERVING_ROW(symbol, its_name, its_doc, its_order, its_flags, its_options, ...)          \
+#define CONSERVING_ROW(symbol, its_name, its_doc, its_order, its_parts, its_flags, its_options,    \
+                       ...)                                                                        \
     const dl_method_row dl_method_##symbol = {                                                     \
         .name = its_name,                                                                          \
         .family = "conserving",                                                                    \
         .doc = its_doc,                                                                            \
         .order = its_order,                                                                        \
+        .made_of = its_parts,                                                                      \
         .flags = COMMON_FLAGS | (its_flags),                                                       \
         .options = DL_OPTIONS_TABLE(its_options),                                                  \
         .options_size = sizeof(dl_conserving_options),                                             \
@@ -99,46 +101,49 @@ static const double suzuki[] = {SUZUKI_OUTER, SUZUKI_OUTER, 1 - 4 * SUZUKI_OUTER
         .ops = &dl_conserving_ops,                                                                 \
     }
 
-#define SCHEME "TR171's energy-conserving scheme, "
-#define KEEPS  (DL_CONSERVES_ENERGY | DL_CONSERVES_MOMENTUM)
-#define ONE    .stages = 1, .weight = one_step
+#define A_FORCE "implicit, one discrete force an iteration"
+#define SCHEME  "TR171's energy-conserving scheme, "
+#define KEEPS   (DL_CONSERVES_ENERGY | DL_CONSERVES_MOMENTUM)
+#define ONE     .stages = 1, .weight = one_step
 
-CONSERVING_ROW(conserving, "conserving", SCHEME "its system's solver chosen by the scene", 2, KEEPS,
-               chosen_options, .by_option = true, ONE);
+CONSERVING_ROW(conserving, "conserving", SCHEME "its system's solver chosen by the scene", 2,
+               A_FORCE, KEEPS, chosen_options, .by_option = true, ONE);
 CONSERVING_ROW(conserving_iteration, "conserving-iteration",
-               SCHEME "a plain fixed point that foretells its last residual", 2, KEEPS,
+               SCHEME "a plain fixed point that foretells its last residual", 2, A_FORCE, KEEPS,
                plain_options, .solver = DL_ITERATION, ONE);
 CONSERVING_ROW(conserving_fixed_point, "conserving-fixed-point",
-               SCHEME "KINSOL's fixed point with Anderson acceleration", 2, KEEPS,
+               SCHEME "KINSOL's fixed point with Anderson acceleration", 2, A_FORCE, KEEPS,
                fixed_point_options, .solver = DL_FIXED_POINT, ONE);
 CONSERVING_ROW(conserving_picard, "conserving-picard",
                SCHEME "KINSOL's Picard iteration with the guess's sparse Jacobian (KLU)", 2,
-               KEEPS | DL_NEEDS_JACOBIAN, fixed_point_options, .solver = DL_PICARD, ONE);
+               A_FORCE, KEEPS | DL_NEEDS_JACOBIAN, fixed_point_options, .solver = DL_PICARD, ONE);
 CONSERVING_ROW(conserving_newton_dense, "conserving-newton-dense",
-               SCHEME "KINSOL's Newton with a dense Jacobian", 2, KEEPS | DL_NEEDS_JACOBIAN,
-               plain_options, .solver = DL_NEWTON_DENSE, ONE);
+               SCHEME "KINSOL's Newton with a dense Jacobian", 2, A_FORCE,
+               KEEPS | DL_NEEDS_JACOBIAN, plain_options, .solver = DL_NEWTON_DENSE, ONE);
 CONSERVING_ROW(conserving_newton_klu, "conserving-newton-klu",
-               SCHEME "KINSOL's Newton with a sparse Jacobian (KLU)", 2, KEEPS | DL_NEEDS_JACOBIAN,
-               plain_options, .solver = DL_NEWTON_KLU, ONE);
+               SCHEME "KINSOL's Newton with a sparse Jacobian (KLU)", 2, A_FORCE,
+               KEEPS | DL_NEEDS_JACOBIAN, plain_options, .solver = DL_NEWTON_KLU, ONE);
 CONSERVING_ROW(conserving_newton_krylov, "conserving-newton-krylov",
                SCHEME "KINSOL's Newton-GMRES, analytic products, preconditioned by particle", 2,
-               KEEPS | DL_NEEDS_JACOBIAN, plain_options, .solver = DL_NEWTON_KRYLOV, ONE);
+               A_FORCE, KEEPS | DL_NEEDS_JACOBIAN, plain_options, .solver = DL_NEWTON_KRYLOV, ONE);
 CONSERVING_ROW(conserving_4_suzuki, "conserving-4-suzuki",
                SCHEME "five steps composed (Suzuki 1990, doi:10.1016/0375-9601(90)90962-N)", 4,
-               KEEPS, chosen_options, .by_option = true, .stages = 5, .weight = suzuki);
+               "five implicit steps, one discrete force an iteration", KEEPS, chosen_options,
+               .by_option = true, .stages = 5, .weight = suzuki);
 CONSERVING_ROW(
     conserving_gonzalez, "conserving-gonzalez",
     "midpoint discrete gradient (Gonzalez 1996, doi:10.1007/BF02440162); keeps energy and "
     "linear momentum",
-    2, DL_CONSERVES_ENERGY, chosen_options, .mean = DL_MEAN_GONZALEZ, .by_option = true, ONE);
+    2, A_FORCE, DL_CONSERVES_ENERGY, chosen_options, .mean = DL_MEAN_GONZALEZ, .by_option = true,
+    ONE);
 CONSERVING_ROW(conserving_average_vector_field, "conserving-average-vector-field",
                "average vector field (Quispel and McLaren 2008, "
                "doi:10.1088/1751-8113/41/4/045206), by Gauss's rule of order 24; keeps energy and "
                "linear momentum",
-               2, DL_CONSERVES_ENERGY, chosen_options, .mean = DL_MEAN_AVERAGE, .by_option = true,
-               ONE);
+               2, A_FORCE, DL_CONSERVES_ENERGY, chosen_options, .mean = DL_MEAN_AVERAGE,
+               .by_option = true, ONE);
 CONSERVING_ROW(implicit_midpoint, "implicit-midpoint",
                "implicit midpoint rule, by the conserving scheme's solvers: symplectic, for "
                "comparison",
-               2, DL_SYMPLECTIC | DL_CONSERVES_MOMENTUM, chosen_options, .mean = DL_MEAN_MIDPOINT,
-               .by_option = true, ONE);
+               2, "implicit, one force an iteration", DL_SYMPLECTIC | DL_CONSERVES_MOMENTUM,
+               chosen_options, .mean = DL_MEAN_MIDPOINT, .by_option = true, ONE);

@@ -6,7 +6,12 @@
  *
  *     J = [0 I; A 0],   A = d a / d q,
  *
- * and estimate their error by doubling the step, but for bsimp and msbdf. */
+ * and estimate their error by doubling the step, but for bsimp and msbdf.
+ *
+ * bsimp gives a step up where an iterate differs by too many times a component's value from it
+ * (GSL 2.7: the sum of |delta_i/y_i| beyond 100 a component, y_i = 0 counting as 1), and so could
+ * not take one from near rest at which a force acts, however short. It gets y - s instead, with s_i
+ * = y_i of what is small and else 0, which satisfies the same equations. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,6 +36,8 @@ typedef struct gsl {
     double *work;              /* [2 unknowns]: what GSL steps, so that a failure leaves y alone */
     double *values;            /* of A, [values_size] */
     size_t values_size;
+    double *small; /* [2 unknowns]: s of bsimp's step; NULL where all of y is stepped */
+    double *whole; /* [2 unknowns]: y where that is not */
     dl_model *model;
     dl_status model_status; /* last failure of the model in this step */
     dl_error model_error;
@@ -39,12 +46,33 @@ typedef struct gsl {
     double window_start; /* a time */
 } gsl;
 
+/* Of a component, beside the largest position or velocity. */
+static const double is_small = 1e-3;
+
+static void take_small(double *y, double *small, size_t n) {
+    double most = 0;
+    for (size_t i = 0; i < n; i++)
+        most = fmax(most, fabs(y[i]));
+    for (size_t i = 0; i < n; i++) {
+        small[i] = fabs(y[i]) < is_small * most ? y[i] : 0;
+        y[i] -= small[i];
+    }
+}
+
+static const double *whole_of(gsl *data, const double *y) {
+    if (!data->small)
+        return y;
+    for (size_t i = 0; i < 2 * data->model->unknowns; i++)
+        data->whole[i] = y[i] + data->small[i];
+    return data->whole;
+}
+
 /* A state without a finite acceleration may be avoided by a shorter step; GSL tries one unless the
  * answer is GSL_EBADFUNC. */
 static int rhs(double t, const double y[], double ydot[], void *parameters) {
     (void)t;
     gsl *const data = parameters;
-    data->model_status = dl_model_rhs(data->model, y, ydot, &data->model_error);
+    data->model_status = dl_model_rhs(data->model, whole_of(data, y), ydot, &data->model_error);
     if (!data->model_status)
         return GSL_SUCCESS;
     return data->model_status == DL_UNSTABLE ? GSL_EDOM : GSL_EBADFUNC;
@@ -74,7 +102,7 @@ static int jacobian(double t, const double y[], double *dfdy, double dfdt[], voi
     const dl_sparsity *a = NULL;
     memset(dfdt, 0, length * sizeof *dfdt);
     memset(dfdy, 0, length * length * sizeof *dfdy);
-    data->model_status = evaluate(data, y, &a, &data->model_error);
+    data->model_status = evaluate(data, whole_of(data, y), &a, &data->model_error);
     if (data->model_status)
         return data->model_status == DL_UNSTABLE ? GSL_EDOM : GSL_EBADFUNC;
     for (size_t row = 0; row < n; row++)
@@ -105,6 +133,12 @@ static dl_status gsl_create(dl_method *method, dl_error *error) {
     data->system = (gsl_odeiv2_system){
         .function = rhs, .jacobian = jacobian, .dimension = length, .params = data};
     data->work = malloc(length * sizeof *data->work);
+    if (*variant->type == gsl_odeiv2_step_bsimp) {
+        data->small = calloc(2 * length + 1, sizeof *data->small);
+        if (!data->small)
+            return dl_fail_memory(error, "a GSL stepper");
+        data->whole = data->small + length;
+    }
     if (variant->matrices > 0 && !has_room(variant->matrices, length))
         return dl_fail_memory(error, "the matrices of a GSL stepper");
     const double first_step = method->step > 0 ? method->step : method->model->scene->step / 100;
@@ -197,6 +231,10 @@ static dl_status gsl_advance(dl_method *method, double t_stop, dl_error *error) 
     const unsigned long rejected_before = evolve->failed_steps;
     double t = method->t;
     memcpy(data->work, method->y, bytes);
+    if (data->small) {
+        take_small(data->work, data->small, method->n);
+        take_small(data->work + method->n, data->small + method->n, method->n);
+    }
     data->model_status = DL_OK;
     const int flag = method->step > 0
                          ? gsl_odeiv2_evolve_apply_fixed_step(
@@ -211,7 +249,7 @@ static dl_status gsl_advance(dl_method *method, double t_stop, dl_error *error) 
         driver->h = step_before;
         return status;
     }
-    memcpy(method->y, data->work, bytes);
+    memcpy(method->y, whole_of(data, data->work), bytes);
     data->steps++;
     method->t = t;
     if (method->step > 0)
@@ -238,6 +276,7 @@ static void gsl_destroy(dl_method *method) {
             gsl_odeiv2_driver_free(data->driver);
         free(data->work);
         free(data->values);
+        free(data->small);
     }
     free(data);
 }
@@ -261,14 +300,14 @@ static const dl_parameter implicit_options[] = {DL_OPTION_STEP_OR_ADAPTIVE(gsl_o
 static const dl_parameter multistep_options[] = {DL_OPTION_RTOL(gsl_options),
                                                  DL_OPTION_ATOL(gsl_options)};
 
-#define GSL(stepper, name_, order_, stages_, forces_, matrices_, flags_, table, doc_)              \
+#define GSL(stepper, name_, order_, made_, forces_, matrices_, flags_, table, doc_)                \
     static const gsl_variant stepper = {&gsl_odeiv2_step_##stepper, matrices_};                    \
     const dl_method_row dl_method_gsl_##stepper = {                                                \
         .name = name_,                                                                             \
         .family = "GSL",                                                                           \
         .doc = doc_ " (GSL)",                                                                      \
         .order = order_,                                                                           \
-        .stages = stages_,                                                                         \
+        made_,                                                                                     \
         .forces = forces_,                                                                         \
         .flags = DL_ADAPTIVE | (flags_),                                                           \
         .options = DL_OPTIONS_TABLE(table),                                                        \
@@ -277,25 +316,30 @@ static const dl_parameter multistep_options[] = {DL_OPTION_RTOL(gsl_options),
         .ops = &ops,                                                                               \
     }
 
-#define IMPLICIT (DL_IMPLICIT | DL_NEEDS_JACOBIAN)
+#define STAGES(count)  .stages = (count)
+#define MADE_OF(words) .made_of = (words)
+#define IMPLICIT       (DL_IMPLICIT | DL_NEEDS_JACOBIAN)
 
-GSL(rk2, "gsl-rk2", 3, 3, 4, 0, DL_FIXED_STEP, explicit_options,
+GSL(rk2, "gsl-rk2", 3, STAGES(3), 4, 0, DL_FIXED_STEP, explicit_options,
     "Runge-Kutta 2(3), going on with the result of order 3");
-GSL(rk4, "gsl-rk4", 4, 4, 12, 0, DL_FIXED_STEP, explicit_options,
+GSL(rk4, "gsl-rk4", 4, STAGES(4), 12, 0, DL_FIXED_STEP, explicit_options,
     "the classical Runge-Kutta method, error by step doubling");
-GSL(rkf45, "gsl-rkf45", 5, 6, 7, 0, DL_FIXED_STEP, explicit_options, "Runge-Kutta-Fehlberg 4(5)");
-GSL(rkck, "gsl-rkck", 5, 6, 7, 0, DL_FIXED_STEP, explicit_options, "Runge-Kutta Cash-Karp 4(5)");
-GSL(rk8pd, "gsl-rk8pd", 8, 13, 14, 0, DL_FIXED_STEP, explicit_options,
+GSL(rkf45, "gsl-rkf45", 5, STAGES(6), 7, 0, DL_FIXED_STEP, explicit_options,
+    "Runge-Kutta-Fehlberg 4(5)");
+GSL(rkck, "gsl-rkck", 5, STAGES(6), 7, 0, DL_FIXED_STEP, explicit_options,
+    "Runge-Kutta Cash-Karp 4(5)");
+GSL(rk8pd, "gsl-rk8pd", 8, STAGES(13), 14, 0, DL_FIXED_STEP, explicit_options,
     "Runge-Kutta Prince-Dormand 8(9)");
-GSL(rk1imp, "gsl-rk1imp", 1, 1, 0, 2, DL_FIXED_STEP | IMPLICIT, implicit_options,
+GSL(rk1imp, "gsl-rk1imp", 1, STAGES(1), 0, 2, DL_FIXED_STEP | IMPLICIT, implicit_options,
     "implicit Euler method in two half steps, Newton with a dense Jacobian");
-GSL(rk2imp, "gsl-rk2imp", 2, 1, 0, 2, DL_FIXED_STEP | IMPLICIT, implicit_options,
+GSL(rk2imp, "gsl-rk2imp", 2, STAGES(1), 0, 2, DL_FIXED_STEP | IMPLICIT, implicit_options,
     "implicit midpoint method in two half steps, Newton with a dense Jacobian");
-GSL(rk4imp, "gsl-rk4imp", 4, 2, 0, 5, DL_FIXED_STEP | IMPLICIT, implicit_options,
+GSL(rk4imp, "gsl-rk4imp", 4, STAGES(2), 0, 5, DL_FIXED_STEP | IMPLICIT, implicit_options,
     "Gauss collocation of 2 stages in two half steps, Newton with a dense Jacobian");
-GSL(bsimp, "gsl-bsimp", 14, 0, 140, 2, DL_FIXED_STEP | IMPLICIT, explicit_options,
+GSL(bsimp, "gsl-bsimp", 14, MADE_OF("extrapolated from 7 rows of semi-implicit midpoint steps"),
+    140, 2, DL_FIXED_STEP | IMPLICIT, explicit_options,
     "semi-implicit extrapolation of Bader and Deuflhard, 7 columns, with a dense Jacobian");
-GSL(msadams, "gsl-msadams", 0, 0, 0, 0, 0, multistep_options,
+GSL(msadams, "gsl-msadams", 0, MADE_OF("multistep"), 0, 0, 0, multistep_options,
     "Adams in Nordsieck form, orders 1-12, variable step");
-GSL(msbdf, "gsl-msbdf", 0, 0, 0, 2, IMPLICIT, multistep_options,
+GSL(msbdf, "gsl-msbdf", 0, MADE_OF("multistep"), 0, 2, IMPLICIT, multistep_options,
     "BDF in Nordsieck form, orders 1-5, variable step, Newton with a dense Jacobian");

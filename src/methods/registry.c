@@ -42,6 +42,23 @@ dl_status dl_method_find(const char *name, const dl_method_row **row, dl_error *
     return dl_fail(error, DL_INPUT, "no method is called %s (see: driftlab list methods)", shown);
 }
 
+static bool find_default_table(const dl_method_row *row, const dl_parameter *option,
+                               dl_method_table *table) {
+    if (option->kind != DL_WORD)
+        return false;
+    for (size_t k = 0; option->words[k]; k++)
+        if (strcmp(option->words[k], option->fallback) == 0)
+            return row->table(option->words, k, table);
+    return false;
+}
+
+bool dl_method_default_table(const dl_method_row *row, dl_method_table *table) {
+    bool found = false;
+    for (size_t i = 0; i < row->options.count && row->table && !found; i++)
+        found = find_default_table(row, &row->options.rows[i], table);
+    return found;
+}
+
 /* --- options -----------------------------------------------------------------------------------
  */
 

@@ -15,7 +15,8 @@
  *             quotient), which is continuous
  *   average   the integral of a(q + x delta) over x from 0 to 1 (G.R.W. Quispel, D.I. McLaren,
  *             J. Phys. A 41 (2008) 045206, doi:10.1088/1751-8113/41/4/045206)
- *   midpoint  a(m): the implicit midpoint rule, symplectic, for comparison
+ *   midpoint  a(m): the implicit midpoint rule, symplectic, for comparison; at a jump its systems
+ *             may have no solution (middle_gap.h)
  *
  * The first three do the work V(q0) - V(q1) exactly, through breakpoints too; the differences of V
  * are the quotients' own work, which has no cancellation. Forces along the separation in the middle

@@ -360,8 +360,7 @@ static const dl_parameter wall_rows[] = {
          "located, with damping: a bounce that would last less than this part of the time step "
          "is the last; the particle rests until the force ends or turns away from the wall. How "
          "many hits come before depends on the step and, with multistep methods, on atol. 0: not "
-         "before a bounce that roundoff ends, which a method whose own tolerance is coarser "
-         "(conserving-relaxed: eps) may never come to"},
+         "before a bounce that roundoff ends"},
 };
 
 const dl_scene_section dl_section_walls = {
