@@ -5,6 +5,7 @@
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
 
+#include "bench/alone.h"
 #include "bench/runs.h"
 #include "observe/stopwatch.h"
 
@@ -94,20 +95,29 @@ static dl_status compare(by_hand *hand, dl_bench_runs *ours, size_t repeats, dl_
     return DL_OK;
 }
 
-static dl_status measure_stepper(size_t k, const dl_scene *scene, const dl_bench_effort *effort,
-                                 dl_bench_peer *row, dl_error *error) {
+typedef struct question {
+    size_t stepper;
+    const dl_scene *scene;
+    const dl_bench_effort *effort;
+} question;
+
+static dl_status answer(const void *what, void *answered, dl_error *error) {
+    const question *const asked = what;
+    const size_t k = asked->stepper;
+    const dl_scene *const scene = asked->scene;
     const dl_method_row *method = NULL;
     dl_bench_runs ours;
     by_hand hand = {.model = NULL};
+    dl_bench_peer *const row = answered;
     *row = (dl_bench_peer){.method = steppers[k].method, .scene = scene->name};
     dl_status status = dl_method_find(steppers[k].method, &method, error);
     if (!status)
-        status = dl_bench_runs_create(method, scene, effort->seconds, &ours, error);
+        status = dl_bench_runs_create(method, scene, asked->effort->seconds, &ours, error);
     if (status)
         return status;
     status = create(&hand, scene, *steppers[k].type, error);
     if (!status)
-        status = compare(&hand, &ours, effort->repeats, row, error);
+        status = compare(&hand, &ours, asked->effort->repeats, row, error);
     release(&hand);
     dl_bench_runs_release(&ours);
     return status;
@@ -120,7 +130,9 @@ dl_status dl_bench_measure_gsl(const dl_bench_scenes *scenes, const dl_bench_eff
     dl_status status = DL_OK;
     *count = 0;
     for (size_t s = 0; s < sizeof on / sizeof *on; s++)
-        for (size_t k = 0; k < sizeof steppers / sizeof *steppers && !status; k++)
-            status = measure_stepper(k, on[s], effort, &rows[(*count)++], error);
+        for (size_t k = 0; k < sizeof steppers / sizeof *steppers && !status; k++) {
+            const question asked = {k, on[s], effort};
+            status = dl_bench_alone(answer, &asked, &rows[(*count)++], sizeof *rows, error);
+        }
     return status;
 }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "bench/alone.h"
 #include "bench/runs.h"
 
 /* A model's accelerations, with a count before them. They have no context of their own, so that
@@ -122,15 +123,24 @@ static dl_status measure(work *on, dl_bench_forces forces[DL_BENCH_FORCES],
     return status;
 }
 
-dl_status dl_bench_measure_overhead(const dl_method_row *row, const dl_scene *scene,
-                                    const dl_bench_effort *effort, dl_bench_overhead *result,
-                                    dl_error *error) {
+typedef struct question {
+    const dl_method_row *row;
+    const dl_scene *scene;
+    const dl_bench_effort *effort;
+} question;
+
+static dl_status answer(const void *what, void *answered, dl_error *error) {
+    const question *const asked = what;
+    const dl_bench_effort *const effort = asked->effort;
+    dl_bench_overhead *const result = answered;
     work on = {.model = NULL};
     dl_bench_forces forces[DL_BENCH_FORCES] = {{.q = NULL}};
     double least[DL_BENCH_FORCES];
-    *result = (dl_bench_overhead){
-        .row = row, .scene = scene->name, .particles = scene->particles, .step = INFINITY};
-    dl_status status = create(&on, row, scene, effort->seconds, error);
+    *result = (dl_bench_overhead){.row = asked->row,
+                                  .scene = asked->scene->name,
+                                  .particles = asked->scene->particles,
+                                  .step = INFINITY};
+    dl_status status = create(&on, asked->row, asked->scene, effort->seconds, error);
     for (int k = 0; k < DL_BENCH_FORCES && !status; k++) {
         least[k] = INFINITY;
         if (on.calls[k] > 0)
@@ -146,4 +156,11 @@ dl_status dl_bench_measure_overhead(const dl_method_row *row, const dl_scene *sc
         }
     release(&on, forces);
     return status;
+}
+
+dl_status dl_bench_measure_overhead(const dl_method_row *row, const dl_scene *scene,
+                                    const dl_bench_effort *effort, dl_bench_overhead *result,
+                                    dl_error *error) {
+    const question asked = {row, scene, effort};
+    return dl_bench_alone(answer, &asked, result, sizeof *result, error);
 }

@@ -54,9 +54,8 @@ static dl_status measure(const dl_bench_scenes *scenes, cli_benchmark *all, dl_e
     if (!status)
         status = dl_bench_measure_speed(scenes, &all->effort, all->speed, &all->speeds, error);
     if (!status)
-        status = measure_overheads(scenes, all, error);
-    return status ? status
-                  : dl_bench_measure_gsl(scenes, &all->effort, all->peer, &all->peers, error);
+        status = dl_bench_measure_gsl(scenes, &all->effort, all->peer, &all->peers, error);
+    return status ? status : measure_overheads(scenes, all, error);
 }
 
 static dl_status bench(const cli_input *input, cli_benchmark *all, dl_error *error) {
