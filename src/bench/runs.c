@@ -96,11 +96,13 @@ dl_status dl_bench_forces_create(dl_model *model, dl_bench_force which, double s
                                  dl_bench_forces *forces, dl_error *error) {
     const size_t n = model->unknowns;
     *forces = (dl_bench_forces){.model = model, .which = which, .calls = 1};
-    forces->q = malloc(4 * n * sizeof *forces->q);
-    if (!forces->q)
+    forces->q = malloc(2 * n * sizeof *forces->q);
+    forces->delta = malloc(n * sizeof *forces->delta);
+    forces->a = malloc(n * sizeof *forces->a); /* aligned as a method's own is */
+    if (!forces->q || !forces->delta || !forces->a) {
+        dl_bench_forces_release(forces);
         return dl_fail_memory(error, "a force to be timed");
-    forces->delta = forces->q + 2 * n;
-    forces->a = forces->delta + n;
+    }
     dl_model_initial_state(model, forces->q);
     for (size_t u = 0; u < n; u++)
         forces->delta[u] = model->scene->step * forces->q[n + u];
@@ -117,5 +119,7 @@ dl_status dl_bench_forces_create(dl_model *model, dl_bench_force which, double s
 
 void dl_bench_forces_release(dl_bench_forces *forces) {
     free(forces->q);
-    forces->q = NULL;
+    free(forces->delta);
+    free(forces->a);
+    forces->q = forces->delta = forces->a = NULL;
 }
