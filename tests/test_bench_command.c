@@ -107,6 +107,7 @@ static void the_page(void **state) {
 
 static void what_is_refused(void **state) {
     (void)state;
+    assert_non_null(strstr(driftlab("bench --help")->out, "usage: driftlab bench [OPTION"));
     static const char *const bad[] = {"bench --fast", "bench stream", "bench --studies nowhere"};
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         const outcome *const o = driftlab(bad[k]);

@@ -96,6 +96,7 @@ static cli_exit bench_command(const cli_input *input) {
 
 const cli_command cli_command_bench = {
     .name = "bench",
+    .arguments = "",
     .summary = "measure the program itself: speed, methods' own cost, GSL beside, start",
     .details = "Pinned to the processor it is on. scripts/bench sets it beside the programs of\n"
                "bench/, which have LAMMPS and PETSc as peers.\n",
