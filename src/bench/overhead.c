@@ -68,6 +68,8 @@ typedef struct work {
     dl_model *model;
     dl_method *method;
     double calls[DL_BENCH_FORCES]; /* a step */
+    size_t tries;
+    dl_model *tried[DL_BENCH_FORCES * DL_BENCH_MOST_REPEATS]; /* whose forces have been timed */
 } work;
 
 /* Steps as those of a run, without its time loop. */
@@ -100,26 +102,46 @@ static dl_status create(work *on, const dl_method_row *row, const dl_scene *scen
     return status ? status : count_forces(on, error);
 }
 
-static void release(work *on, dl_bench_forces forces[DL_BENCH_FORCES]) {
-    for (int k = 0; k < DL_BENCH_FORCES; k++)
-        dl_bench_forces_release(&forces[k]);
+static void release(work *on) {
+    for (size_t k = 0; k < on->tries; k++)
+        dl_model_free(on->tried[k]);
     dl_method_destroy(on->method);
     dl_model_free(on->model);
     dl_bench_runs_release(&on->runs);
 }
 
+/* On a model of its own, which is kept, so that each repeat's lies elsewhere: where a kernel's
+ * arrays lie alone makes a tenth. */
+static dl_status measure_force(work *on, dl_bench_force which, double seconds, double *least,
+                               dl_error *error) {
+    dl_bench_forces forces = {.q = NULL};
+    double time = INFINITY;
+    dl_model **const model = &on->tried[on->tries];
+    dl_status status = dl_model_create(on->runs.scene, model, error);
+    if (status)
+        return status;
+    on->tries++;
+    status = dl_model_set_mean(*model, on->model->mean, error);
+    if (!status && (which == DL_BENCH_FAST || which == DL_BENCH_SLOW))
+        status = dl_model_split(*model, error);
+    if (!status)
+        status = dl_bench_forces_create(*model, which, seconds, &forces, error);
+    if (!status)
+        status = dl_bench_forces_measure(&forces, &time, error);
+    dl_bench_forces_release(&forces);
+    *least = fmin(*least, time);
+    return status;
+}
+
 /* One repeat: the step, then each of its forces. */
-static dl_status measure(work *on, dl_bench_forces forces[DL_BENCH_FORCES],
-                         dl_bench_overhead *result, double least[DL_BENCH_FORCES],
-                         dl_error *error) {
-    double time;
+static dl_status measure(work *on, double seconds, dl_bench_overhead *result,
+                         double least[DL_BENCH_FORCES], dl_error *error) {
+    double time = INFINITY;
     dl_status status = dl_bench_runs_measure(&on->runs, &time, error);
     result->step = fmin(result->step, time);
     for (int k = 0; k < DL_BENCH_FORCES && !status; k++)
-        if (on->calls[k] > 0) {
-            status = dl_bench_forces_measure(&forces[k], &time, error);
-            least[k] = fmin(least[k], time);
-        }
+        if (on->calls[k] > 0)
+            status = measure_force(on, (dl_bench_force)k, seconds, &least[k], error);
     return status;
 }
 
@@ -134,27 +156,22 @@ static dl_status answer(const void *what, void *answered, dl_error *error) {
     const dl_bench_effort *const effort = asked->effort;
     dl_bench_overhead *const result = answered;
     work on = {.model = NULL};
-    dl_bench_forces forces[DL_BENCH_FORCES] = {{.q = NULL}};
     double least[DL_BENCH_FORCES];
     *result = (dl_bench_overhead){.row = asked->row,
                                   .scene = asked->scene->name,
                                   .particles = asked->scene->particles,
                                   .step = INFINITY};
     dl_status status = create(&on, asked->row, asked->scene, effort->seconds, error);
-    for (int k = 0; k < DL_BENCH_FORCES && !status; k++) {
+    for (int k = 0; k < DL_BENCH_FORCES; k++)
         least[k] = INFINITY;
-        if (on.calls[k] > 0)
-            status = dl_bench_forces_create(on.model, (dl_bench_force)k, effort->seconds,
-                                            &forces[k], error);
-    }
     for (size_t k = 0; k < effort->repeats && !status; k++)
-        status = measure(&on, forces, result, least, error);
+        status = measure(&on, effort->seconds, result, least, error);
     for (int k = 0; k < DL_BENCH_FORCES && !status; k++)
         if (on.calls[k] > 0) {
             result->forces += on.calls[k];
             result->force += on.calls[k] * least[k];
         }
-    release(&on, forces);
+    release(&on);
     return status;
 }
 
