@@ -101,7 +101,7 @@ struct dl_method {
     double t;
     double origin; /* of fixed steps: t is origin + since * step, without accumulated roundoff */
     unsigned long since;
-    double *y;
+    double *y; /* of its own: where it lies may change with a step */
     void *data;
 };
 

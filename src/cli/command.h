@@ -59,7 +59,7 @@ typedef struct cli_command {
 extern const cli_command cli_command_run, cli_command_study, cli_command_report,
     cli_command_compare, cli_command_map, cli_command_explain, cli_command_observe,
     cli_command_paper, cli_command_picture, cli_command_reference, cli_command_measure,
-    cli_command_check, cli_command_recommend, cli_command_list, cli_command_help;
+    cli_command_check, cli_command_recommend, cli_command_bench, cli_command_list, cli_command_help;
 
 /* All of them, NULL-terminated. */
 extern const cli_command *const cli_commands[];

@@ -12,7 +12,7 @@
 #include "cli/command.h"
 #include "cli/json.h"
 #include "cli/outcome.h"
-#include "cli/paths.h"
+#include "cli/studies.h"
 #include "cli/terminal.h"
 #include "driftlab/paper.h"
 
@@ -56,33 +56,6 @@ typedef struct work {
 
 /* --- which papers ----------------------------------------------------------------------------- */
 
-static bool is_folder(const char *path) {
-    struct stat info;
-    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
-}
-
-/* The installed studies lie at a fixed way from the program. */
-static bool find_installed(char *studies, size_t size) {
-    char *installed = cli_beside_program(DL_SHARE);
-    const bool found =
-        installed && (size_t)snprintf(studies, size, "%s", installed) < size && is_folder(studies);
-    free(installed);
-    return found;
-}
-
-static dl_status find_studies(const paper_values *values, char *studies, size_t size,
-                              dl_error *error) {
-    snprintf(studies, size, "%s", values->studies ? values->studies : "studies");
-    if (values->studies && !is_folder(studies))
-        return dl_fail(error, DL_INPUT, "--studies: found \"%s\", expected a folder",
-                       values->studies);
-    return is_folder(studies) || find_installed(studies, size)
-               ? DL_OK
-               : dl_fail(error, DL_INPUT,
-                         "found no folder \"studies\" here and none installed; expected one "
-                         "(--studies DIR)");
-}
-
 static dl_status add_paper(work *w, const char *path, dl_error *error) {
     if (w->count == most_papers)
         return dl_fail(error, DL_INPUT, "found more than %d papers, expected fewer", most_papers);
@@ -116,7 +89,7 @@ static dl_status unknown_paper(const glob_t *found, const char *name, const char
 static dl_status read_known(work *w, const char *name, dl_error *error) {
     char studies[path_size], pattern[path_size + 16];
     glob_t found = {0};
-    dl_status status = find_studies(w->values, studies, sizeof studies, error);
+    dl_status status = cli_find_studies(w->values->studies, studies, sizeof studies, error);
     if (status)
         return status;
     snprintf(pattern, sizeof pattern, "%s/papers/*.yaml", studies);

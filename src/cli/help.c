@@ -45,8 +45,8 @@ void cli_help_command(const cli_command *command, FILE *out) {
                                             command->takes_let ? &cli_let : NULL};
     char form[64];
     const bool options = command->options.count || repeated[0] || repeated[1];
-    fprintf(out, "usage: driftlab %s %s%s\n\n%s\n", command->name, command->arguments,
-            options ? " [OPTION ...]" : "", command->summary);
+    fprintf(out, "usage: driftlab %s%s%s%s\n\n%s\n", command->name, *command->arguments ? " " : "",
+            command->arguments, options ? " [OPTION ...]" : "", command->summary);
     if (command->details)
         fprintf(out, "\n%s", command->details);
     if (options)

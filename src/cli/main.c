@@ -10,10 +10,23 @@
 #include "driftlab/version.h"
 
 const cli_command *const cli_commands[] = {
-    &cli_command_run,       &cli_command_study,   &cli_command_measure, &cli_command_check,
-    &cli_command_recommend, &cli_command_report,  &cli_command_observe, &cli_command_picture,
-    &cli_command_paper,     &cli_command_compare, &cli_command_map,     &cli_command_explain,
-    &cli_command_reference, &cli_command_list,    &cli_command_help,    NULL,
+    &cli_command_run,
+    &cli_command_study,
+    &cli_command_measure,
+    &cli_command_check,
+    &cli_command_recommend,
+    &cli_command_report,
+    &cli_command_observe,
+    &cli_command_picture,
+    &cli_command_paper,
+    &cli_command_compare,
+    &cli_command_map,
+    &cli_command_explain,
+    &cli_command_reference,
+    &cli_command_bench,
+    &cli_command_list,
+    &cli_command_help,
+    NULL,
 };
 
 const cli_command *cli_command_find(const char *name) {

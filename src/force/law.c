@@ -200,7 +200,7 @@ static double antiderivative(const dl_law *law, int piece, double r) {
     double sum = 0;
     for (int s = 0; s < law->terms[piece]; s++) {
         double c = law->coefficient[piece][s], p = law->power[piece][s];
-        sum += p == 1 ? -c * log(r) : c / (p - 1) * pow(r, 1 - p);
+        sum += p == 1 ? -c * log(r) : c / (p - 1) * (p == 2 ? 1 / r : pow(r, 1 - p));
     }
     return sum;
 }

@@ -78,16 +78,37 @@ void dl_splitting_expand(const dl_splitting_table *table, dl_splitting *splittin
 static void compensated_kick_and_drift(size_t n, double kick, double drift, const double *a,
                                        double *y, double *lost) {
     for (size_t i = 0; i < n; i++) {
-        dl_compensated_add(&y[n + i], &lost[n + i], kick * a[i]);
+        if (kick != 0)
+            dl_compensated_add(&y[n + i], &lost[n + i], kick * a[i]);
         dl_compensated_add(&y[i], &lost[i], drift * y[n + i]);
     }
+}
+
+/* The first stage of a step, from y into the work. */
+static void begin(const composition *data, const double *y, size_t n, double kick, double drift) {
+    if (data->lost) {
+        memcpy(data->work, y, 2 * n * sizeof *y);
+        memcpy(data->lost_between, data->lost, 2 * n * sizeof *y);
+        compensated_kick_and_drift(n, kick, drift, data->a, data->work, data->lost_between);
+    } else if (kick == 0)
+        dl_drift_from(n, drift, y, data->work);
+    else
+        dl_kick_and_drift_from(n, kick, drift, data->a, y, data->work);
 }
 
 static void move(const composition *data, size_t n, double kick, double drift) {
     if (data->lost)
         compensated_kick_and_drift(n, kick, drift, data->a, data->work, data->lost_between);
+    else if (drift == 0)
+        dl_kick(n, kick, data->a, data->work + n);
     else
         dl_kick_and_drift(n, kick, drift, data->a, data->work, data->work + n);
+}
+
+static void exchange(double **a, double **b) {
+    double *const between = *a;
+    *a = *b;
+    *b = between;
 }
 
 static void advance_straight(dl_method *method) {
@@ -113,24 +134,21 @@ static dl_status advance_by_stages(dl_method *method, dl_error *error) {
     composition *const data = method->data;
     const dl_splitting *const splitting = &data->splitting;
     const int last = splitting->drifts;
-    const size_t n = method->n, bytes = 2 * n * sizeof(double);
+    const size_t n = method->n;
     const double h = method->step;
-    memcpy(data->work, method->y, bytes);
-    if (data->lost)
-        memcpy(data->lost_between, data->lost, bytes);
-    bool known = data->a_is_current;
+    const double *from = method->y;
+    bool known = data->a_is_current || splitting->kick[0] == 0;
     data->a_is_current = false;
-    for (int i = 0; i < last; i++) {
-        if (splitting->kick[i] == 0)
-            memset(data->a, 0, n * sizeof *data->a);
-        else if (!known) {
-            const dl_status status =
-                dl_model_acceleration(method->model, data->work, data->a, error);
-            if (status)
-                return status;
-        }
-        known = false;
-        move(data, n, splitting->kick[i] * h, splitting->drift[i] * h);
+    for (int i = 0; i < last; i++, from = data->work, known = false) {
+        const double kick = splitting->kick[i] * h, drift = splitting->drift[i] * h;
+        const dl_status status =
+            known ? DL_OK : dl_model_acceleration(method->model, from, data->a, error);
+        if (status)
+            return status;
+        if (i == 0)
+            begin(data, from, n, kick, drift);
+        else
+            move(data, n, kick, drift);
     }
     if (splitting->kick[last] != 0) {
         const dl_status status = dl_model_acceleration(method->model, data->work, data->a, error);
@@ -139,9 +157,9 @@ static dl_status advance_by_stages(dl_method *method, dl_error *error) {
         move(data, n, splitting->kick[last] * h, 0);
         data->a_is_current = true;
     }
-    memcpy(method->y, data->work, bytes);
+    exchange(&method->y, &data->work);
     if (data->lost)
-        memcpy(data->lost, data->lost_between, bytes);
+        exchange(&data->lost, &data->lost_between);
     return DL_OK;
 }
 

@@ -8,6 +8,26 @@ void dl_kick_and_drift(size_t n, double kick, double drift, const double *restri
     }
 }
 
+void dl_kick_and_drift_from(size_t n, double kick, double drift, const double *restrict a,
+                            const double *restrict y0, double *restrict y) {
+    for (size_t i = 0; i < n; i++) {
+        y[n + i] = y0[n + i] + kick * a[i];
+        y[i] = y0[i] + drift * y[n + i];
+    }
+}
+
+void dl_drift_from(size_t n, double drift, const double *restrict y0, double *restrict y) {
+    for (size_t i = 0; i < n; i++) {
+        y[n + i] = y0[n + i];
+        y[i] = y0[i] + drift * y0[n + i];
+    }
+}
+
+void dl_kick(size_t n, double kick, const double *restrict a, double *restrict v) {
+    for (size_t i = 0; i < n; i++)
+        v[i] += kick * a[i];
+}
+
 void dl_drift(size_t n, double drift, double *restrict q, const double *restrict v) {
     for (size_t i = 0; i < n; i++)
         q[i] += drift * v[i];

@@ -15,6 +15,15 @@
 void dl_kick_and_drift(size_t n, double kick, double drift, const double *restrict a,
                        double *restrict q, double *restrict v);
 
+/* The same from the state y0 to the state y, [2 n] each, positions before velocities: what y0 holds
+ * is not copied first. */
+void dl_kick_and_drift_from(size_t n, double kick, double drift, const double *restrict a,
+                            const double *restrict y0, double *restrict y);
+void dl_drift_from(size_t n, double drift, const double *restrict y0, double *restrict y);
+
+/* v += kick a */
+void dl_kick(size_t n, double kick, const double *restrict a, double *restrict v);
+
 /* q += drift v */
 void dl_drift(size_t n, double drift, double *restrict q, const double *restrict v);
 

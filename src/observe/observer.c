@@ -18,6 +18,7 @@ struct dl_observer {
     double *y_all;    /* [2 * dimension * particles]; NULL: nothing is pinned, and y is it */
     double *own_y;    /* both in a frame of the method's own; NULL: none yet */
     quantities start; /* at t = 0 */
+    bool at_start;    /* no sample has been taken yet: it is of the start, in y and y_all */
     long double ledger;
     long double impulse[3], angular_impulse[3]; /* that the walls have taken */
     double gravity_force[3];
@@ -165,6 +166,7 @@ dl_status dl_observer_begin(dl_observer *observer, dl_method *method, dl_run_sum
         return dl_fail(error, DL_UNSTABLE, "the energy of the initial state is not finite");
     dl_model_momentum_scales(observer->model, observer->y, &summary->momentum_scale,
                              &summary->angular_momentum_scale);
+    observer->at_start = true;
     return DL_OK;
 }
 
@@ -182,8 +184,9 @@ static double momentum_error(const double now[3], const double start[3], const l
 dl_status dl_observer_sample(dl_observer *observer, dl_method *method, double time,
                              dl_sample *sample, dl_error *error) {
     static const double no_torque[3] = {0};
-    quantities now;
-    const dl_status status = measure(observer, method, &now, error);
+    quantities now = observer->start;
+    const dl_status status = observer->at_start ? DL_OK : measure(observer, method, &now, error);
+    observer->at_start = false;
     if (status)
         return status;
     const dl_model *model = observer->model;

@@ -26,7 +26,8 @@ dl_status dl_observer_create(const dl_scene *scene, bool ledger, dl_observer **o
 void dl_observer_free(dl_observer *observer);
 
 /* Takes the method's present state as the start, with which everything later is compared; sets the
- * scales of the summary. DL_UNSTABLE where its energy is not finite. */
+ * scales of the summary. DL_UNSTABLE where its energy is not finite. The first sample is of that
+ * state, which is not measured again. */
 dl_status dl_observer_begin(dl_observer *observer, dl_method *method, dl_run_summary *summary,
                             dl_error *error);
 
