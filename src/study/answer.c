@@ -327,8 +327,11 @@ void dl_results_print(const dl_results *results, FILE *out) {
         if (reference)
             dl_reference_print(reference, "  ", out);
     }
+    if (kind_of(results)->print)
+        kind_of(results)->print(results, out);
     for (size_t s = 0; s < results->scenes; s++) {
         dl_results_answer(results, results->scene[s].name, answer, sizeof answer);
-        fprintf(out, "%s\n", answer);
+        if (*answer)
+            fprintf(out, "%s\n", answer);
     }
 }

@@ -6,6 +6,8 @@
 #ifndef DL_STUDY_KIND_H
 #define DL_STUDY_KIND_H
 
+#include <stdio.h>
+
 #include "study/finding.h"
 #include "study/measure.h"
 #include "study/plan.h"
@@ -37,8 +39,11 @@ struct dl_study_kind {
     dl_status (*check)(const dl_study_unit *unit, dl_error *error);
     /* Fills the finding with dl_finding_*. A method that fails is a finding, not a failure. */
     dl_status (*measure)(const dl_study_unit *unit, dl_finding *finding, dl_error *error);
-    /* The study's answer for a scene in a sentence or two, from its findings alone. */
+    /* The study's answer for a scene in a sentence or two, from its findings alone; "": it is told
+     * for another. */
     void (*answer)(const dl_results *results, const char *scene, char *text, size_t size);
+    /* What all findings say together, as tables, after them. NULL: nothing. */
+    void (*print)(const dl_results *results, FILE *out);
 };
 
 /* Adding a kind: a line here and a `const dl_study_kind dl_study_kind_<symbol>` in its file. The
@@ -48,7 +53,8 @@ struct dl_study_kind {
     X(stability, "stability")                                                                      \
     X(extreme, "extreme")                                                                          \
     X(drift, "drift")                                                                              \
-    X(equilibrium, "equilibrium")
+    X(equilibrium, "equilibrium")                                                                  \
+    X(scaling, "scaling")
 
 #define DL_STUDY_KIND_DECLARE(symbol, name) extern const dl_study_kind dl_study_kind_##symbol;
 DL_STUDY_KINDS(DL_STUDY_KIND_DECLARE)
