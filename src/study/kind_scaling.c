@@ -156,7 +156,7 @@ static dl_status add_costs(const recorder *of, dl_finding *finding, dl_error *er
         forces * of->pairs,
     };
     dl_status status =
-        dl_finding_add(finding, "pairs that act, per particle",
+        dl_finding_add(finding, "pairs looked at, per particle",
                        of->pairs / (double)of->unit->scene->particles, NAN, NAN, error);
     if (status == DL_OK)
         status = dl_finding_add(finding, "energy error [energy scale]",
@@ -204,14 +204,16 @@ static dl_status measure(const dl_study_unit *unit, dl_finding *finding, dl_erro
 /* --- answer ----------------------------------------------------------------------------------- */
 
 /* The slices of the profile are one quantity here: the worst of them. */
+enum { no_slices = DL_MOST_SIZES + 1 };
+
 static bool is_slice(const dl_scaled *quantity) {
     return strstr(quantity->name, ", slice ") != NULL;
 }
 
 static size_t worst_slice(const dl_scaling *of) {
-    size_t worst = 0;
+    size_t worst = no_slices;
     for (size_t q = 0; q < of->quantities; q++)
-        if (is_slice(&of->quantity[q]) && of->quantity[q].from > worst)
+        if (is_slice(&of->quantity[q]) && (worst == no_slices || of->quantity[q].from > worst))
             worst = of->quantity[q].from;
     return worst;
 }

@@ -31,7 +31,8 @@ typedef struct dl_bulk {
 dl_status dl_bulk_create(const dl_scene *scene, size_t bins, dl_bulk *bulk, dl_error *error);
 void dl_bulk_free(dl_bulk *bulk);
 
-/* value [bulk->quantities]; `pair_energy` of the whole. *pairs: those that act. */
+/* value [bulk->quantities]; `pair_energy` of the whole. *pairs: those that a force
+ * evaluation looks at, which are all, or those of a neighbour list with its margin. */
 dl_status dl_bulk_observe(const dl_bulk *bulk, const double *y_all, double pair_energy,
                           double *value, double *pairs, dl_error *error);
 

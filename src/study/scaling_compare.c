@@ -37,7 +37,7 @@ bool dl_scaling_is_bulk(const char *name, size_t length) {
     static const char *const others[] = {DL_SCALING_PARTICLES,
                                          DL_SCALING_TOLERANCE,
                                          DL_SCALING_STEP " [of the scene's]",
-                                         "pairs that act, per particle",
+                                         "pairs looked at, per particle",
                                          "energy error [energy scale]",
                                          "steps"};
     bool other = *name == '$';
