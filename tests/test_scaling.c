@@ -7,6 +7,7 @@
 
 #include "driftlab/scaling.h"
 #include "driftlab/study.h"
+#include "report/page_scaling.h"
 #include "study/scaling.h"
 
 static char folder[] = "/tmp/driftlab_scaling_XXXXXX";
@@ -255,6 +256,30 @@ static void all_is_told_once(void **state) {
     dl_results_free(results);
 }
 
+/* What the page draws is what was compared. */
+static void the_page_has_the_comparison(void **state) {
+    (void)state;
+    dl_results *results = made_by_hand();
+    json_t *all = dl_page_scalings(results);
+    assert_int_equal(json_array_size(all), 1); /* one size is no comparison */
+    const json_t *one = json_array_get(all, 0);
+    const json_t *density = json_array_get(json_object_get(one, "quantities"), 0);
+    assert_string_equal(json_string_value(json_object_get(density, "name")), "density [mass/area]");
+    assert_true(json_number_value(json_object_get(density, "from")) == 1000);
+    const json_t *deviations = json_object_get(density, "deviations");
+    assert_true(fabs(json_number_value(json_array_get(deviations, 0)) - 0.1) < 1e-14);
+    const json_t *pairs = json_array_get(json_object_get(one, "costs"), DL_SCALED_COSTS - 1);
+    assert_true(fabs(json_number_value(json_object_get(pairs, "exponent")) - 2) < 1e-13);
+    assert_int_equal(json_integer_value(json_array_get(json_object_get(one, "repeats"), 0)), 2);
+    json_decref(all);
+    free(results->kind);
+    results->kind = strdup("drift"); /* whose findings are no sizes */
+    all = dl_page_scalings(results);
+    assert_int_equal(json_array_size(all), 0);
+    json_decref(all);
+    dl_results_free(results);
+}
+
 /* --- studies ---------------------------------------------------------------------------------- */
 
 static void write_file(const char *name, const char *text, char *path, size_t size) {
@@ -388,6 +413,7 @@ int main(void) {
         cmocka_unit_test(exponents_are_found_on_both_sides),
         cmocka_unit_test(sizes_are_compared_with_the_largest),
         cmocka_unit_test(all_is_told_once),
+        cmocka_unit_test(the_page_has_the_comparison),
         cmocka_unit_test(a_study_goes_on_where_it_was),
         cmocka_unit_test(settings_are_refused),
     };

@@ -10,6 +10,7 @@
 #include "driftlab/reference.h"
 #include "report/page.h"
 #include "report/page_findings.h"
+#include "report/page_scaling.h"
 #include "study/errors.h"
 #include "version.h"
 
@@ -386,6 +387,7 @@ dl_status dl_page_data(const dl_results *results, char **json, dl_error *error) 
         append(&build, cases, one_case(&build, &results->cased[i]));
     put(&build, root, "cases", cases);
     put(&build, root, "findings", dl_page_findings(results));
+    put(&build, root, "scalings", dl_page_scalings(results));
 
     char *dumped = build.failed ? NULL : json_dumps(root, JSON_COMPACT);
     if (dumped)

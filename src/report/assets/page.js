@@ -127,7 +127,8 @@ const sentence = text =>
 const writeFound = () => {
   const box = element("section", {id: "answer", className: "answer"},
                       element("h2", {}, "The answer"));
-  for (const scene of scenes) box.append(element("p", {}, sentence(scene.answer)));
+  for (const scene of scenes)
+    if (scene.answer) box.append(element("p", {}, sentence(scene.answer)));
   page.append(box);
 };
 
