@@ -60,7 +60,7 @@ static dl_status line_create(const dl_scene *scene, const double *y_all, line *a
     entry *sorted = malloc((n + 1) * sizeof *sorted);
     *along = (line){.n = n, .period = period};
     along->coordinate = malloc((n + 1) * sizeof *along->coordinate);
-    along->particle = malloc((2 * n + 1) * sizeof *along->particle);
+    along->particle = calloc(2 * n + 1, sizeof *along->particle);
     if (!sorted || !along->coordinate || !along->particle) {
         free(sorted);
         line_free(along);

@@ -162,8 +162,8 @@ static dl_status add_costs(const recorder *of, dl_finding *finding, dl_error *er
         status = dl_finding_add(finding, "energy error [energy scale]",
                                 summary->energy_error_max / summary->energy_scale, NAN, NAN, error);
     if (status == DL_OK)
-        status = dl_finding_add(finding, DL_SCALING_STEP " [of the scene's]",
-                                summary->step / of->unit->scene->step, NAN, NAN, error);
+        status = dl_finding_add(finding, DL_SCALING_STEP, summary->step / of->unit->scene->step,
+                                NAN, NAN, error);
     if (status == DL_OK)
         status = dl_finding_add(finding, "steps", steps, NAN, NAN, error);
     for (size_t k = 0; k < DL_SCALED_COSTS && status == DL_OK; k++)

@@ -40,7 +40,7 @@ dl_status dl_bulk_observe(const dl_bulk *bulk, const double *y_all, double pair_
 
 #define DL_SCALING_PARTICLES "particles"
 #define DL_SCALING_TOLERANCE "tolerance"
-#define DL_SCALING_STEP      "step"
+#define DL_SCALING_STEP      "step [of the scene's]"
 #define DL_SCALING_MEASURED  "measured"
 
 /* The costs whose exponents are fitted: of these quantities of a finding. */

@@ -36,7 +36,7 @@ static size_t bare_length(const char *line, size_t length) {
 bool dl_scaling_is_bulk(const char *name, size_t length) {
     static const char *const others[] = {DL_SCALING_PARTICLES,
                                          DL_SCALING_TOLERANCE,
-                                         DL_SCALING_STEP " [of the scene's]",
+                                         DL_SCALING_STEP,
                                          "pairs looked at, per particle",
                                          "energy error [energy scale]",
                                          "steps"};
