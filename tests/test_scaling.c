@@ -388,7 +388,7 @@ static void settings_are_refused(void **state) {
     refused("from: 1.5", "from");
     refused("bins: 0", "bins");
     refused("bins: 33", "bins");
-    refused("tolerance: 0", "tolerance");
+    refused("agree: 0", "agree");
     refused("sizes: 3", "sizes");
 }
 

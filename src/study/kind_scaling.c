@@ -31,9 +31,9 @@ static const dl_parameter rows[] = {
      .maximum = DL_MOST_PROFILE_BINS,
      .fallback = "10",
      .doc = "slices along x that the body's density is told in"},
-    {.name = "tolerance",
+    {.name = "agree",
      .kind = DL_REAL,
-     AT(tolerance),
+     AT(agree),
      .unit = "",
      .minimum = 0,
      .maximum = 1,
@@ -180,7 +180,7 @@ static dl_status add_quantities(const recorder *of, dl_finding *finding, dl_erro
     if (status == DL_OK)
         status = add_costs(of, finding, error);
     return status == DL_OK
-               ? dl_finding_add(finding, DL_SCALING_TOLERANCE, settings->tolerance, NAN, NAN, error)
+               ? dl_finding_add(finding, DL_SCALING_TOLERANCE, settings->agree, NAN, NAN, error)
                : status;
 }
 

@@ -8,9 +8,9 @@
 #include "study/kind.h"
 
 typedef struct dl_scaling_settings {
-    double from;      /* part of the run after whose end means are taken */
-    long bins;        /* of the profile */
-    double tolerance; /* relative */
+    double from;  /* part of the run after whose end means are taken */
+    long bins;    /* of the profile */
+    double agree; /* relative difference of what agrees; `tolerance` is many methods' */
 } dl_scaling_settings;
 
 enum { DL_MOST_PROFILE_BINS = 32, DL_MOST_BULK = 12 + DL_MOST_PROFILE_BINS };
