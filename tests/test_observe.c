@@ -494,6 +494,65 @@ static void separation_of_known_places(void **state) {
     dl_scene_free(settled);
 }
 
+/* The mean over all pairs' distances, sorted. */
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double separation_by_all_pairs(const dl_scene *scene, size_t nearest) {
+    const size_t n = scene->particles;
+    double *distance = malloc(n * sizeof *distance), sum = 0;
+    assert_non_null(distance);
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j < n; j++) {
+            double square = 0;
+            for (size_t c = 0; c < (size_t)scene->dimension; c++) {
+                const double length = scene->periods.length[c];
+                double d = scene->position[c * n + i] - scene->position[c * n + j];
+                d -= length > 0 ? length * nearbyint(d / length) : 0;
+                square += d * d;
+            }
+            distance[j] = j == i ? INFINITY : sqrt(square);
+        }
+        qsort(distance, n, sizeof *distance, ascending);
+        for (size_t k = 0; k < nearest; k++)
+            sum += distance[k] / (double)nearest / (double)n;
+    }
+    free(distance);
+    return sum;
+}
+
+/* Clusters, columns of equal coordinates, copies: what is left out for being far along one axis is
+ * never among the nearest. */
+static void separation_is_that_of_all_pairs(void **state) {
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++)
+        for (int periods = 0; periods <= dimension; periods++)
+            for (size_t n = 7; n <= 301; n *= 43) {
+                dl_scene *scene = fixture_scene("cloud", dimension, n);
+                uint64_t word = 12345;
+                for (size_t i = 0; i < n; i++) {
+                    double at[3];
+                    for (int c = 0; c < 3; c++) {
+                        word = word * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+                        at[c] = (double)(word >> 40) / 0x1p24 * (i % 3 ? 1 : 10) - 3;
+                    }
+                    at[1] *= 3;
+                    if (i % 4 == 0)
+                        at[0] = at[1] = 0.5;
+                    fixture_place(scene, i, at, (double[3]){0});
+                }
+                scene->periods.present = periods > 0;
+                for (int c = 0; c < periods; c++)
+                    scene->periods.length[c] = c == 1 ? 12 : 4;
+                for (size_t nearest = 1; nearest <= 6; nearest += 5)
+                    assert_near(separation_of(scene, nearest),
+                                separation_by_all_pairs(scene, nearest), 1e-12);
+                dl_scene_free(scene);
+            }
+}
+
 /* --- averages --------------------------------------------------------------------------------- */
 
 static void means_and_errors_over_frames(void **state) {
@@ -901,6 +960,7 @@ int main(void) {
         cmocka_unit_test(pressure_of_a_column_is_the_weight_above),
         cmocka_unit_test(moving_particles_carry_pressure),
         cmocka_unit_test(separation_of_known_places),
+        cmocka_unit_test(separation_is_that_of_all_pairs),
         cmocka_unit_test(means_and_errors_over_frames),
         cmocka_unit_test(command_prints_table_1),
         cmocka_unit_test(depth_is_above_the_floor),

@@ -15,6 +15,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 #include "driftlab/results.h"
+#include "source_hash.h"
 
 static char folder[] = "/tmp/driftlab-results-XXXXXX";
 static char path[128];
@@ -287,6 +288,19 @@ static void files_of_other_programs_are_told_apart(void **state) {
     dl_results_free(made);
 }
 
+/* This program writes whole files: what one of its own lacks has been lost. */
+static void files_of_this_program_are_whole_or_damaged(void **state) {
+    (void)state;
+    dl_results *made = make_results();
+    assert_int_equal(dl_results_add_fact(made, "source", DL_SOURCE_HASH, NULL), DL_OK);
+    assert_int_equal(dl_results_write(made, path, NULL), DL_OK);
+    hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+    assert_true(H5Ldelete(file, "cases/0003/sample_time", H5P_DEFAULT) >= 0);
+    H5Fclose(file);
+    assert_refused(DL_INPUT, "damaged: found no cases/0003/sample_time");
+    dl_results_free(made);
+}
+
 /* What was added since is read as if there were none of it. */
 static void files_of_version_1_are_read(void **state) {
     (void)state;
@@ -425,6 +439,7 @@ int main(void) {
         cmocka_unit_test(bad_files_are_refused),
         cmocka_unit_test(no_results_are_refused),
         cmocka_unit_test(files_of_other_programs_are_told_apart),
+        cmocka_unit_test(files_of_this_program_are_whole_or_damaged),
         cmocka_unit_test(files_of_version_1_are_read),
         cmocka_unit_test(failed_write_keeps_old_file),
         cmocka_unit_test(cheapest_is_the_cheapest_that_counts),

@@ -48,7 +48,7 @@ static const dl_parameter explain_options[] = {
      .doc = "of --cost: print one JSON object instead of a table"},
 };
 
-/* The solver that `conserving` chooses at the scene's step. */
+/* The solver that `conserving` chooses at the scene's step, or why it cannot run there. */
 static dl_status explain_choice(const dl_scene *scene, dl_model *model, FILE *out,
                                 dl_error *error) {
     const dl_method_row *row;
@@ -64,6 +64,10 @@ static dl_status explain_choice(const dl_scene *scene, dl_model *model, FILE *ou
     status = status ? status : dl_method_create(row, model, options, y, &method, error);
     if (!status)
         dl_method_describe(method, choice, sizeof choice);
+    if (status == DL_INPUT) {
+        snprintf(choice, sizeof choice, "not here: %s", error->message);
+        status = DL_OK;
+    }
     if (*choice)
         fprintf(out, "  %-10s %s\n", "conserving", choice);
     dl_method_destroy(method);

@@ -53,6 +53,12 @@ dl_status dl_results_fail_other_program(const char *path, hid_t file, int versio
     char program[WORD_SIZE], source[WORD_SIZE];
     read_fact(file, "driftlab", program);
     read_fact(file, "source", source);
+    if (*lacking && strcmp(source, DL_SOURCE_HASH) == 0)
+        return dl_fail(error, DL_INPUT,
+                       "%s: damaged: found no %s, expected a whole results file of this program; "
+                       "run its study again into a new file (driftlab study STUDY.yaml --out "
+                       "NEW.h5)",
+                       path, lacking);
     return dl_fail(error, DL_INPUT,
                    "%s: found a results file of format version %d, by driftlab %s (source %s)%s%s; "
                    "expected format version %d, as of this driftlab %s (source %s): read it with "

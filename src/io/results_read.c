@@ -26,7 +26,8 @@ static dl_status is_damaged(const place *at, const char *name, const char *expec
                    slash(at->group), at->element, slash(at->element), name, expected);
 }
 
-/* Files are complete or not there at all: one that lacks something is another program's. */
+/* Files are complete or not there at all: one that lacks something is another program's, or
+ * damaged. */
 static dl_status lacks(const place *at, const char *name) {
     char lacking[256];
     snprintf(lacking, sizeof lacking, "%s%s%s%s%s", at->group, slash(at->group), at->element,

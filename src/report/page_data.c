@@ -11,6 +11,7 @@
 #include "driftlab/reference.h"
 #include "report/page.h"
 #include "report/page_findings.h"
+#include "report/page_scaling.h"
 #include "study/errors.h"
 #include "version.h"
 
@@ -464,14 +465,16 @@ static json_t *all_studies(builder *build) {
     return studies;
 }
 
-static void put_findings(builder *build, json_t *root) {
-    json_t *findings = json_array();
+/* What `of` makes of each study, one after the other. */
+static void put_lists(builder *build, json_t *root, const char *key,
+                      json_t *(*of)(const dl_results *results)) {
+    json_t *all = json_array();
     for (size_t k = 0; k < build->count; k++) {
-        json_t *added = dl_page_findings(build->all[k]);
-        build->failed |= !added || json_array_extend(findings, added) != 0;
+        json_t *added = of(build->all[k]);
+        build->failed |= !added || json_array_extend(all, added) != 0;
         json_decref(added);
     }
-    put(build, root, "findings", findings);
+    put(build, root, key, all);
 }
 
 static json_t *root_of(builder *build, const char *title, dl_error *error) {
@@ -492,7 +495,8 @@ static json_t *root_of(builder *build, const char *title, dl_error *error) {
     put(build, root, "scenes", scenes);
     put(build, root, "across", across_scenes(build, error));
     put(build, root, "cases", cases);
-    put_findings(build, root);
+    put_lists(build, root, "findings", dl_page_findings);
+    put_lists(build, root, "scalings", dl_page_scalings);
     return root;
 }
 

@@ -320,11 +320,14 @@ void dl_results_print(const dl_results *results, FILE *out) {
         if (reference)
             dl_reference_print(reference, "  ", out);
     }
+    if (dl_study_kind_of(results)->print)
+        dl_study_kind_of(results)->print(results, out);
     for (size_t s = 0; s < results->scenes; s++) {
         dl_results_answer(results, results->scene[s].name, answer, sizeof answer);
-        fprintf(out, "%s\n", answer);
+        if (*answer)
+            fprintf(out, "%s\n", answer);
     }
-    if (results->scenes > 1) {
+    if (results->scenes > 1 && !dl_study_kind_of(results)->print) {
         char all[4 * DL_MESSAGE_SIZE];
         dl_results_answer_all(&results, 1, all, sizeof all);
         fprintf(out, "%s\n", all);

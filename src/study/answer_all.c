@@ -1,5 +1,6 @@
 /* The answer of studies of one kind over all their scenes, in two sentences. */
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -177,6 +178,19 @@ static void tell_cases(const survey *of, char *text, size_t size) {
     dl_across_release(&across);
 }
 
+/* One after the other: of a kind that sets no methods side by side. */
+static void tell_each(const survey *of, char *text, size_t size) {
+    char answer[DL_MESSAGE_SIZE];
+    size_t used = 0;
+    for (size_t k = 0; k < of->count; k++)
+        for (size_t s = 0; s < of->results[k]->scenes && used < size; s++) {
+            dl_results_answer(of->results[k], of->results[k]->scene[s].name, answer, sizeof answer);
+            if (*answer)
+                used +=
+                    (size_t)snprintf(text + used, size - used, "%s%s", used ? ". " : "", answer);
+        }
+}
+
 void dl_results_answer_all(const dl_results *const *results, size_t count, char *text,
                            size_t size) {
     survey of = {.results = results, .count = count, .kind = dl_study_kind_of(results[0])};
@@ -185,10 +199,9 @@ void dl_results_answer_all(const dl_results *const *results, size_t count, char 
         of.scenes += results[k]->scenes;
         of.findings += results[k]->findings;
     }
-    if (of.scenes == 1)
-        for (size_t k = 0; k < count; k++)
-            for (size_t s = 0; s < results[k]->scenes; s++)
-                dl_results_answer(results[k], results[k]->scene[s].name, text, size);
+    const bool compares = !of.kind->measure || of.kind->good || of.kind->merit;
+    if (of.scenes == 1 || !compares)
+        tell_each(&of, text, size);
     else if (of.kind->measure)
         tell_findings(&of, text, size);
     else

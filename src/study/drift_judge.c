@@ -172,7 +172,13 @@ static void tell_no_order(const dl_drift_study *study, outcome known, judgement 
     double memory = 0;
     for (size_t l = 0; l < study->usable; l++)
         memory = fmax(memory, study->energy[l].line.correlation);
-    if (study->usable >= 2)
+    if (study->usable >= 2 && !isfinite(study->energy[0].growth))
+        say(found, known,
+            "the fluctuation has no order: it remembers itself over %.3g of %zu samples, too few "
+            "to "
+            "tell how it grows",
+            memory, study->run[0].n);
+    else if (study->usable >= 2)
         say(found, known,
             "the fluctuation has no order: it remembers itself over %.3g of %zu samples and grows "
             "with time to the power %.2f (a walk's 0.5; more in a run that is too short)",

@@ -6,6 +6,8 @@
 #ifndef DL_STUDY_KIND_H
 #define DL_STUDY_KIND_H
 
+#include <stdio.h>
+
 #include "study/finding.h"
 #include "study/measure.h"
 #include "study/plan.h"
@@ -39,8 +41,11 @@ struct dl_study_kind {
     dl_status (*measure)(const dl_study_unit *unit, dl_finding *finding, dl_error *error);
     const char *good;  /* the verdict that a method is to have; NULL: ... */
     const char *merit; /* ... the quantity that is to be large */
-    /* The study's answer for a scene in at most two sentences, from its findings alone. */
+    /* The study's answer for a scene in at most two sentences, from its findings alone; "": it is
+     * told for another. */
     void (*answer)(const dl_results *results, const char *scene, char *text, size_t size);
+    /* What all findings say together, as tables, after them. NULL: nothing. */
+    void (*print)(const dl_results *results, FILE *out);
 };
 
 /* Adding a kind: a line here and a `const dl_study_kind dl_study_kind_<symbol>` in its file. The
@@ -50,7 +55,8 @@ struct dl_study_kind {
     X(stability, "stability")                                                                      \
     X(extreme, "extreme")                                                                          \
     X(drift, "drift")                                                                              \
-    X(equilibrium, "equilibrium")
+    X(equilibrium, "equilibrium")                                                                  \
+    X(scaling, "scaling")
 
 #define DL_STUDY_KIND_DECLARE(symbol, name) extern const dl_study_kind dl_study_kind_##symbol;
 DL_STUDY_KINDS(DL_STUDY_KIND_DECLARE)

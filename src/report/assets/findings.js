@@ -35,7 +35,7 @@ const writeFindings = (() => {
   /* --- the table of verdicts --- */
 
   /* Neither good nor bad: a limit, and what is open. All other words tell how a run failed. */
-  const GOOD = /^(pass|stable|holds$|settled)/;
+  const GOOD = /^(pass|stable|holds$|settled|measured)/;
   const OPEN = /^(limit|no limit|not |holds in part|several)/;
 
   const failed = one => !measured(one) || !(GOOD.test(one.verdict) || OPEN.test(one.verdict));
@@ -384,6 +384,76 @@ const writeFindings = (() => {
         trendPlan(scene, members, names.find(({name}) => name === chosen), hidden)});
   };
 
+  /* --- a body of several sizes: quantities and costs by the number of particles --- */
+
+  const sizePoints = (one, values) => one.particles.flatMap((x, i) =>
+    (values[i] === null ? [] : [{x, y: values[i], i}]));
+
+  /* Between the dashed lines a quantity agrees with that of the largest number. */
+  const sizeBounds = (one, {values}) => {
+    const limit = values[values.length - 1];
+    return limit === null ? [] : [1 - one.tolerance, 1 + one.tolerance].map((factor, k) => ({
+      name: (k ? "+" : "−") + shown(100 * one.tolerance) + " %",
+      look: {colour: "#5a5a5a", fill: "#ffffff", dash: [4, 4], shape: "line"},
+      points: one.particles.map((x, i) => ({x, y: limit * factor, i}))}));
+  };
+
+  const sizePlan = (one, chosen, hidden) => {
+    const points = sizePoints(one, chosen.values);
+    if (!points.length) return null;
+    const cost = !chosen.deviations;
+    const ys = points.map(({y}) => y);
+    return {
+      lines: [{name: one.method, look: lookOf(0), points}].concat(
+        cost ? [] : sizeBounds(one, chosen)),
+      hidden, radius: 4.5, marks: {},
+      x: logX("particles", points.map(({x}) => x)),
+      y: cost && Math.min(...ys) > 0 ? logY(chosen.name, ys) : linearX(chosen.name),
+      tooltip: point => [`particles: ${shown(point.x)}`, `${chosen.name}: ${shown(point.y)}`,
+                         ...(cost ? [] : ["difference from the largest: "
+                            + shown(100 * chosen.deviations[point.i]) + " %"]),
+                         `runs: ${one.repeats[point.i]}`, methodOf(one)],
+      csv: {heads: ["line", "particles", "runs", chosen.name, "difference"],
+            row: (point, line) => [line, point.x, one.repeats[point.i], point.y,
+                                   cost ? null : chosen.deviations[point.i]]},
+      label: `${chosen.name} by the number of particles; the table holds the same figures`,
+    };
+  };
+
+  const sizeTable = one => {
+    const number = text => element("td", {className: "number"}, text);
+    const rows = one.quantities.map(({name, values, deviations, from}) => element("tr", {},
+      element("td", {}, name),
+      values.map((value, i) => number(value === null ? "–"
+        : `${shown(value)} (${shown(Number((100 * deviations[i]).toPrecision(2)))} %)`)),
+      number(from === null ? "–" : shown(from))));
+    const power = ({exponent, low, high}) => (exponent === null ? "–"
+      : `N^${exponent.toFixed(3)}`
+        + (low === null ? "" : ` (${low.toFixed(3)} to ${high.toFixed(3)})`));
+    const costs = one.costs.map(cost => element("tr", {}, element("td", {}, cost.name),
+      cost.values.map(value => number(shown(value))), number(power(cost))));
+    const heads = ["particles (runs)",
+                   ...one.particles.map((n, i) => `${n} (${one.repeats[i]})`),
+                   `within ${shown(100 * one.tolerance)} % from, or power`];
+    return element("div", {className: "scroll"}, element("table", {className: "cases sizes"},
+      element("thead", {}, element("tr", {}, heads.map((text, i) =>
+        element("th", {scope: "col", className: i ? "number" : ""}, text)))),
+      element("tbody", {}, rows, costs)));
+  };
+
+  const writeSizes = section => {
+    for (const one of results.scalings) {
+      const choices = one.quantities.concat(one.costs);
+      const draw = chosenChart(section, {
+        heading: `By the number of particles: ${one.body} with ${one.method}`, words: "Quantity",
+        choices: choices.map(({name}) => [name, name]), name: "sizes",
+        saved: `${one.body} by particles`,
+        plan: (name, hidden) => sizePlan(one, choices.find(each => each.name === name), hidden)});
+      section.append(sizeTable(one));
+      draw();
+    }
+  };
+
   /* --- the page's share --- */
 
   /* Methods by scenes, where there are several of both. */
@@ -407,8 +477,9 @@ const writeFindings = (() => {
   const overview = findings => {
     const section = element("section", {id: "overview"});
     page.append(section);
+    writeSizes(section);
     writeMaps(findings, section);
-    writeMatrix(findings, section);
+    if (!results.scalings.length) writeMatrix(findings, section);
     if (section.childElementCount) section.prepend(element("h2", {}, "All scenes"));
     else section.remove();
   };

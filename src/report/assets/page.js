@@ -684,7 +684,7 @@ const writeScene = scene => {
   const section = element("section", {id: scene.id, className: "scene"},
                           element("h2", {}, "Scene " + scene.name));
   page.append(section);
-  if (scenes.length > 1 && (scene.findings.length || scene.cases.length))
+  if (scenes.length > 1 && (scene.findings.length ? scene.answer : scene.cases.length))
     section.append(element("p", {className: "of-scene"}, ...answerOf(scene)));
   if (scene.findings.length) {
     writeFindings.ofScene(scene, section);
