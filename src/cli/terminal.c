@@ -8,10 +8,15 @@
 #include "cli/command.h"
 
 static volatile int interrupted;
+static bool is_watched; /* someone sees what is said */
 
+/* A step can be long. */
 static void on_signal(int number) {
+    static const char message[] = "\ndriftlab: ends with the step at work; again ends it at once\n";
     (void)number;
     interrupted = 1;
+    if (is_watched && write(STDERR_FILENO, message, sizeof message - 1) < 0)
+        return;
 }
 
 static void catch_with(void (*handler)(int), int flags) {
@@ -22,6 +27,7 @@ static void catch_with(void (*handler)(int), int flags) {
 }
 
 const volatile int *cli_catch_signals(void) {
+    is_watched = isatty(STDERR_FILENO) == 1;
     catch_with(on_signal, (int)SA_RESETHAND);
     return &interrupted;
 }
