@@ -140,6 +140,7 @@ static void exponent_is_that_of_the_saddle(void **state) {
     dl_reference made = compute(scene, DL_PRECISION_LONG_DOUBLE, 0, 6);
     assert_true(fabs(made.lyapunov - 2) < 1e-4 && made.lyapunov_error < 1e-4);
     assert_true(made.lyapunov_error > 0);
+    assert_true(dl_reference_grows(&made));
     assert_true(made.growth[0] == 0);
     assert_true(fabs(made.growth[6] - made.growth[3] - 2 * 6) < 1e-3);
     assert_true(made.length == 1 && made.horizon == 0 && made.parted == 0);
@@ -153,6 +154,7 @@ static void regular_motion_has_no_horizon(void **state) {
     scene->end = 200;
     dl_reference made = compute(scene, DL_PRECISION_LONG_DOUBLE, 0, 4);
     assert_true(fabs(made.lyapunov) < 0.02); /* log(t)/t */
+    assert_false(dl_reference_grows(&made));
     assert_true(made.horizon == 0);
     dl_reference_release(&made);
     dl_scene_free(scene);

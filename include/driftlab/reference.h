@@ -72,6 +72,10 @@ bool dl_reference_is_past(const dl_reference *reference, size_t sample);
 /* Whether an error at that sample is one: not too small for the reference, not past the horizon. */
 bool dl_reference_shows(const dl_reference *reference, size_t sample, double error);
 
+/* Whether a small displacement grows exponentially for all that is seen: in the second half by more
+ * than in proportion to t^2, by which regular motion can part as well. */
+bool dl_reference_grows(const dl_reference *reference);
+
 /* Precision, own error, growth, exponent and horizon, one a line, each after `indent`. */
 void dl_reference_print(const dl_reference *reference, const char *indent, FILE *out);
 

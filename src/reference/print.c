@@ -2,13 +2,24 @@
 
 #include "driftlab/reference.h"
 
+bool dl_reference_grows(const dl_reference *reference) {
+    if (!(reference->lyapunov_error > 0))
+        return false; /* none was measured */
+    const double half = reference->time[reference->samples - 1] / 2;
+    return (reference->lyapunov - reference->lyapunov_error) * half > 2 * log(2);
+}
+
 static void print_exponent(const dl_reference *reference, const char *indent, FILE *out) {
     const double growth = reference->growth[reference->samples - 1];
-    fprintf(out,
-            "%slargest Lyapunov exponent: %.3g +- %.1g over the second half; a small displacement "
-            "grew by 10^%.1f until t = %g\n",
-            indent, reference->lyapunov, reference->lyapunov_error, growth / log(10),
-            reference->time[reference->samples - 1]);
+    fprintf(
+        out,
+        "%slargest Lyapunov exponent: %.3g +- %.1g over the second half; a small displacement "
+        "grew by 10^%.1f until t = %g%s\n",
+        indent, reference->lyapunov, reference->lyapunov_error, growth / log(10),
+        reference->time[reference->samples - 1],
+        dl_reference_grows(reference)
+            ? ""
+            : "; in the second half no faster than t^2, as regular motion's can: no sign of chaos");
 }
 
 static void print_horizon(const dl_reference *reference, const char *indent, FILE *out) {

@@ -258,6 +258,7 @@ static json_t *reference_of(builder *build, const char *scene) {
     put(build, object, "length", real(reference->length));
     put(build, object, "lyapunov", real(reference->lyapunov_error > 0 ? reference->lyapunov : NAN));
     put(build, object, "lyapunov_error", real(reference->lyapunov_error));
+    put(build, object, "grows", json_boolean(dl_reference_grows(reference)));
     put(build, object, "horizon", real(reference->horizon > 0 ? reference->horizon : NAN));
     put(build, object, "parted", real(reference->parted > 0 ? reference->parted : NAN));
     put(build, object, "growth",

@@ -615,7 +615,9 @@ const chaosOf = reference => {
   const end = reference.time[reference.time.length - 1];
   return `Largest Lyapunov exponent: ${digits(reference.lyapunov)} ± `
     + `${Number(reference.lyapunov_error.toPrecision(1))} over the second half; a small displacement `
-    + `grew by 10^${(reference.growth / Math.LN10).toFixed(1)} until t = ${digits(end)}. `
+    + `grew by 10^${(reference.growth / Math.LN10).toFixed(1)} until t = ${digits(end)}`
+    + (reference.grows ? ". "
+       : "; in the second half no faster than t², as regular motion's can: no sign of chaos. ")
     + (reference.horizon === null ? "Horizon: not before the end."
        : `Horizon: t = ${Number(reference.horizon.toPrecision(4))}, when rounding errors of double `
          + "precision have grown to 1 % of the distance between neighbours; position errors after "
