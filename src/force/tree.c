@@ -52,7 +52,7 @@ static unsigned octant_of(const dl_tree *tree, const dl_cell *cell, const dl_tre
     unsigned octant = 0;
     for (int c = 0; c < tree->dimension; c++)
         octant |= (point->x[c] >= cell->centre[c] ? 1U : 0U) << c;
-    return octant;
+    return octant & 7U;
 }
 
 /* Sorts the cell's points by octant; end[o] is where octant o ends. */

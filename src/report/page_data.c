@@ -281,7 +281,8 @@ typedef struct front {
 static json_t *indices(builder *build, const front *of) {
     json_t *array = json_array();
     for (size_t i = 0; i < of->count; i++)
-        append(build, array, json_integer((json_int_t)(build->first + of->point[i].index)));
+        append(build, array,
+               json_integer((json_int_t)build->first + (json_int_t)of->point[i].index));
     return array;
 }
 
@@ -306,7 +307,8 @@ static json_t *accuracies(builder *build, const front fronts[DL_COSTS]) {
             const dl_front_point *best =
                 dl_front_cheapest(fronts[cost].point, fronts[cost].count, error);
             put(build, row, cost_names[cost],
-                best ? json_integer((json_int_t)(build->first + best->index)) : json_null());
+                best ? json_integer((json_int_t)build->first + (json_int_t)best->index)
+                     : json_null());
         }
         append(build, array, row);
     }
