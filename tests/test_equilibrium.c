@@ -139,6 +139,35 @@ static void a_spring_has_the_kinetic_energy_that_its_step_gives(void **state) {
     dl_scene_free(scene);
 }
 
+static dl_finding measure_spring(const dl_scene *scene, const char *setting) {
+    asked what = equilibrium_of(scene, "leapfrog", "step=0.02");
+    what.sample = 0.4;
+    what.setting = setting;
+    dl_finding found = measure(&what);
+    expect_verdict(&found, "settled", "");
+    return found;
+}
+
+/* A spring that flies at 50 has the kinetic energy of one that rests, relative to its centre, and
+ * is settled as well; as it is, it has the centre's with it. */
+static void a_flight_of_the_whole_is_no_heat(void **state) {
+    (void)state;
+    dl_scene *scene = spring();
+    dl_finding rests = measure_spring(scene, "frame=lab");
+    for (size_t k = 0; k < 2; k++)
+        scene->velocity[k] += 50;
+    dl_finding flies = measure_spring(scene, "frame=centre"), whole = measure_spring(scene, "");
+    const double expected = quantity(&rests, "kinetic energy per particle")[0];
+    const double found = quantity(&flies, "kinetic energy per particle")[0];
+    if (!(fabs(found - expected) < 1e-6 * expected))
+        fail_msg("kinetic energy %g in flight, %g at rest", found, expected);
+    assert_true(fabs(quantity(&whole, "kinetic energy per particle")[0] - 1875) < 1e-3);
+    dl_finding_release(&rests);
+    dl_finding_release(&flies);
+    dl_finding_release(&whole);
+    dl_scene_free(scene);
+}
+
 enum { gas_particles = 100 };
 
 /* Particles that fly through one another in a box of height 1, whose walls take nothing. */
@@ -327,6 +356,7 @@ int main(void) {
         cmocka_unit_test(transients_are_left_out),
         cmocka_unit_test(the_test_has_teeth),
         cmocka_unit_test(a_spring_has_the_kinetic_energy_that_its_step_gives),
+        cmocka_unit_test(a_flight_of_the_whole_is_no_heat),
         cmocka_unit_test(an_ideal_gas_is_of_one_density),
         cmocka_unit_test(a_fluid_that_cools_has_not_settled),
         cmocka_unit_test(runs_of_one_state_are_one_mean),

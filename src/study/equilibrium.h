@@ -7,10 +7,17 @@
 #include "observe/series.h"
 #include "study/kind.h"
 
+/* Whose velocity is none: that of the mass centre changes neither temperature nor shape. */
+typedef enum dl_equilibrium_frame {
+    DL_EQUILIBRIUM_LAB,
+    DL_EQUILIBRIUM_CENTRE
+} dl_equilibrium_frame;
+
 typedef struct dl_equilibrium_settings {
     long runs;           /* from starts that differ by `displacement` */
     double displacement; /* of every coordinate, its root mean square */
     double bin;          /* of heights; 0: chosen */
+    int frame;           /* dl_equilibrium_frame: of the kinetic energy */
 } dl_equilibrium_settings;
 
 enum { DL_MOST_CHANNELS = 40, DL_CHANNEL_NAME = 64 };
@@ -28,12 +35,13 @@ typedef struct dl_channels {
     dl_bins bin;
     bool heights; /* depths and bins are among them: the scene has weight or a floor */
     double floor;
+    bool centre; /* the kinetic energy is that relative to the mass centre */
     size_t moving;
 } dl_channels;
 
 /* DL_INPUT where `bin` makes too many bins. */
-dl_status dl_channels_create(const dl_scene *scene, double bin, dl_channels *channels,
-                             dl_error *error);
+dl_status dl_channels_create(const dl_scene *scene, const dl_equilibrium_settings *settings,
+                             dl_channels *channels, dl_error *error);
 
 /* A run's series. */
 typedef struct dl_settling {

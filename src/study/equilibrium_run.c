@@ -49,9 +49,10 @@ static dl_status add_bins(const dl_scene *scene, double width, dl_channels *chan
     return DL_OK;
 }
 
-dl_status dl_channels_create(const dl_scene *scene, double bin, dl_channels *channels,
-                             dl_error *error) {
-    *channels = (dl_channels){.heights = has_heights(scene)};
+dl_status dl_channels_create(const dl_scene *scene, const dl_equilibrium_settings *settings,
+                             dl_channels *channels, dl_error *error) {
+    *channels = (dl_channels){.heights = has_heights(scene),
+                              .centre = settings->frame == DL_EQUILIBRIUM_CENTRE};
     for (size_t i = 0; i < scene->particles; i++)
         channels->moving += !scene->pinned[i];
     const size_t axis = dl_height_axis(scene);
@@ -65,7 +66,7 @@ dl_status dl_channels_create(const dl_scene *scene, double bin, dl_channels *cha
     add(channels, true, "depth, twice the mean height [length]");
     add(channels, false, "depth of 95 % [length]");
     add(channels, false, "depth, highest [length]");
-    return add_bins(scene, bin, channels, error);
+    return add_bins(scene, settings->bin, channels, error);
 }
 
 /* --- one run -----------------------------------------------------------------------------------
@@ -77,11 +78,27 @@ typedef struct recorder {
     const dl_scene *scene;
 } recorder;
 
+/* Summed of velocities relative to the centre's: the difference of two energies of a fast stream
+ * would have few digits. */
+static double kinetic_about_centre(const dl_scene *scene, const double *y_all) {
+    const size_t n = scene->particles, axes = (size_t)scene->dimension;
+    dl_motion motion;
+    dl_observe_motion(scene, y_all, &motion);
+    double sum = 0;
+    for (size_t k = 0; k < axes * n; k++) {
+        const double v = y_all[axes * n + k] - motion.velocity[k / n];
+        sum += scene->pinned[k % n] ? 0 : scene->inertia[k % n] * v * v / 2;
+    }
+    return sum;
+}
+
 static dl_status observe(const recorder *to, const dl_sample *sample, double *row,
                          dl_error *error) {
     const dl_channels *channels = to->channels;
     const double moving = (double)channels->moving;
-    row[KINETIC] = sample->energy.kinetic / moving;
+    row[KINETIC] = (channels->centre ? kinetic_about_centre(to->scene, sample->y_all)
+                                     : sample->energy.kinetic) /
+                   moving;
     row[PAIR] = sample->energy.pair / moving;
     dl_status status =
         dl_observe_separation(to->scene, sample->y_all, nearest, &row[SEPARATION], error);

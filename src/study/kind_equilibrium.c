@@ -20,6 +20,9 @@ enum { most_runs = 64 };
 
 #define AT(field) .offset = offsetof(dl_equilibrium_settings, field)
 
+static const char *const frame_words[] = {
+    [DL_EQUILIBRIUM_LAB] = "lab", [DL_EQUILIBRIUM_CENTRE] = "centre", NULL};
+
 static const dl_parameter rows[] = {
     {.name = "runs",
      .kind = DL_INTEGER,
@@ -47,6 +50,14 @@ static const dl_parameter rows[] = {
      .maximum = DBL_MAX,
      .fallback = "0",
      .doc = "width of the bins of height that particles are counted in; 0: chosen"},
+    {.name = "frame",
+     .kind = DL_WORD,
+     AT(frame),
+     .unit = "",
+     .words = frame_words,
+     .fallback = "lab",
+     .doc = "of the kinetic energy. lab: that of the velocities as they are; centre: of those "
+            "relative to the mass centre's"},
 };
 
 /* Samples that nobody asked for are whole steps. */
@@ -62,7 +73,7 @@ static dl_status check(const dl_study_unit *unit, dl_error *error) {
     const dl_equilibrium_settings *settings = unit->settings;
     const dl_study_unit rounded = with_whole_steps(unit);
     dl_channels channels;
-    const dl_status status = dl_channels_create(unit->scene, settings->bin, &channels, error);
+    const dl_status status = dl_channels_create(unit->scene, settings, &channels, error);
     return status == DL_OK ? dl_study_try_start(&rounded, error) : status;
 }
 
@@ -118,7 +129,7 @@ static dl_status run_one(ensemble *of, size_t run, dl_error *error) {
 
 static dl_status run_all(ensemble *of, dl_error *error) {
     const dl_equilibrium_settings *settings = of->unit->settings;
-    dl_status status = dl_channels_create(of->unit->scene, settings->bin, &of->channels, error);
+    dl_status status = dl_channels_create(of->unit->scene, settings, &of->channels, error);
     for (size_t r = 0; r < (size_t)settings->runs && status == DL_OK; r++) {
         status = run_one(of, r, error);
         of->runs = r + 1; /* released even where it failed */
