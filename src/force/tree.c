@@ -50,9 +50,9 @@ static double radius_of(const dl_tree *tree, const dl_cell *cell) {
 
 static unsigned octant_of(const dl_tree *tree, const dl_cell *cell, const dl_tree_point *point) {
     unsigned octant = 0;
-    for (int c = 0; c < tree->dimension; c++)
+    for (int c = 0; c < tree->dimension && c < 3; c++)
         octant |= (point->x[c] >= cell->centre[c] ? 1U : 0U) << c;
-    return octant & 7U;
+    return octant;
 }
 
 /* Sorts the cell's points by octant; end[o] is where octant o ends. */
