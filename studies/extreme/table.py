@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Runs the extreme studies of this folder and writes README.md's tables.
 
-table.py [--program PROGRAM] [--jobs N]
+table.py [--program PROGRAM] [--jobs N] [--swirl]
 
-Results are kept beside the studies: run again, only what is missing is measured.
+--swirl: the tables of TR299's bodies alone. Results are kept beside the studies: run again, only what is missing is measured.
 """
 import argparse
 import collections
@@ -17,6 +17,7 @@ import findings  # noqa: E402
 
 ORDER = ["papers", "drop", "near", "masses", "exponents", "walls", "crossing", "straight", "long"]
 LADDERS = ["cold", "steps"]
+SWIRL = ["swirl", "swirl-steps"]
 
 
 def name_of(finding):
@@ -67,15 +68,30 @@ def ladder_table(found):
         yield f"| {', '.join(names)} | {told} |"
 
 
+def swirl_lines(found):
+    yield from ["", "The 239, at the report's step:", "", *scenes_table(found["swirl"]), ""]
+    failing = {name_of(f) for f in found["swirl"] if f.verdict != "holds"}
+    others = [f for f in found["swirl"] if name_of(f) in failing]
+    yield from ["Those methods that do not hold on all three:", "", *methods_table(others), ""]
+    for scene in dict.fromkeys(f.scene for f in found["swirl-steps"]):
+        own = [f for f in found["swirl-steps"] if f.scene == scene]
+        yield from [f"Three of them, {scene}, steps from 1e-3 to 1e3 times 2/ω:", ""]
+        yield from [*ladder_table(own), ""]
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--program", default=str(HERE.parent.parent / "build" / "driftlab"))
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--swirl", action="store_true")
     options = parser.parse_args()
     found = {
         name: findings.run(options.program, HERE / f"{name}.yaml", options.jobs)
-        for name in ORDER + LADDERS
+        for name in SWIRL + (ORDER + LADDERS if not options.swirl else [])
     }
+    findings.replace(HERE / "README.md", "table.py --swirl", swirl_lines(found))
+    if options.swirl:
+        return
     runs = [f for name in ORDER for f in found[name]]
     lines = ["", "Every scene:", "", *scenes_table(runs), ""]
     lines += ["Every method (with its rtol where it chooses its steps):", "", *methods_table(runs), ""]
