@@ -70,7 +70,8 @@ static dl_status ours_force_measure(const ours_force *force, double *seconds, dl
 }
 
 /* Chooses the number of calls so that a measurement takes `wanted` seconds; warms up by it. */
-__attribute__((unused)) static dl_status ours_force_calibrate(ours_force *force, double wanted, dl_error *error) {
+__attribute__((unused)) static dl_status ours_force_calibrate(ours_force *force, double wanted,
+                                                              dl_error *error) {
     double seconds = 0;
     dl_status status = DL_OK;
     while (!status && seconds * (double)force->calls < wanted) {

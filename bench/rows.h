@@ -54,7 +54,7 @@ struct peer {
     lammps_result result; /* of the last run */
     double our_kinetic;   /* energy per particle after the same steps; NaN: not compared */
     unsigned long our_builds;
-    samples times;  /* ns a unit */
+    samples times; /* ns a unit */
 };
 
 typedef struct bench_row {

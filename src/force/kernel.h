@@ -64,7 +64,7 @@ struct dl_kernel {
     const dl_vector_ops *vector;
     const dl_law_loops **loops; /* [species * species] */
     const char *reason;         /* why it was chosen */
-    double stated_error; /* of its forces, driftlab/model.h; 0: it sums all pairs that act */
+    double stated_error;        /* of its forces, driftlab/model.h; 0: it sums all pairs that act */
     unsigned long list_builds;
     unsigned long near_pairs, far_pairs; /* of a tree: pairs of particles and of cells so far */
     void *data;
