@@ -221,7 +221,7 @@ static dl_status read_record(place *at, hid_t file, const dl_record *record, dl_
 static dl_status check_format(place *at, hid_t file) {
     char *format = NULL;
     dl_status status = read_text(at, file, "format", &format);
-    if (status != DL_OK || strcmp(format, DL_RESULTS_FORMAT) != 0)
+    if (status != DL_OK || !format || strcmp(format, DL_RESULTS_FORMAT) != 0)
         status = dl_fail(at->error, DL_INPUT,
                          "%s: found an HDF5 file without format \"%s\", expected a results file "
                          "of driftlab study",

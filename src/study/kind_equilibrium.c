@@ -317,10 +317,11 @@ static double settled_value(const dl_finding *finding) {
 
 /* Infinite for a method that chooses its steps. */
 static double step_of(const dl_finding *finding) {
+    static const char key[] = "step=";
     char fineness[64];
-    double step;
     dl_finding_fineness(finding, fineness, sizeof fineness);
-    return sscanf(fineness, "step=%lf", &step) == 1 ? step : INFINITY;
+    return strncmp(fineness, key, strlen(key)) == 0 ? strtod(fineness + strlen(key), NULL)
+                                                    : INFINITY;
 }
 
 /* The settled cases of a scene: at the smallest step, and the ends of the range. */
