@@ -28,7 +28,7 @@ RUNS = [  # scene, step, steps, tolerance of the solver or None for the default
     (BOUNCE, 1e-4, 1_000_000, None),
     (BOUNCE, 1e-4, 100_000, "1e-10"),
     (BOUNCE, 1e-4, 100_000, "1e-8"),
-    (SETTLED, 1e-4, 1_000_000, None),
+    (SETTLED, 1e-4, 100_000, None),
 ]
 SHOWN = (1000, 10_000, 100_000)
 
