@@ -2,24 +2,11 @@
 #ifndef FIXTURE_PROGRAM_H
 #define FIXTURE_PROGRAM_H
 
+#include "fixture_folder.h"
 #include "fixture_runs.h"
 
 #include <jansson.h>
 #include <sys/wait.h>
-
-static char folder[] = "/tmp/driftlab-test-XXXXXX";
-
-static int make_folder(void **state) {
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
-}
 
 typedef struct outcome {
     int exit;

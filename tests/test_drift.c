@@ -1,5 +1,6 @@
 /* Drift told from fluctuation: the statistics on series that are known, then methods whose energy
  * is known to stay, to drift or to be wrong; `driftlab check` and `driftlab measure`. */
+#include "fixture_folder.h"
 #include "fixture_kinds.h"
 #include "fixture_scenes.h"
 
@@ -458,20 +459,6 @@ static void studies_that_come_with_it_are_valid(void **state) {
 
 /* --- the program -------------------------------------------------------------------------------
  */
-
-static char folder[] = "/tmp/driftlab-drift-XXXXXX";
-
-static int make_folder(void **state) {
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
-}
 
 static char said[200000], complained[4000];
 

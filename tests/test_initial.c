@@ -1,24 +1,11 @@
 /* Initial states by rule, and scenes that start from another run. */
+#include "fixture_folder.h"
 #include "fixture_runs.h"
 
 #include <glob.h>
 
 #include "core/random_stream.h"
 #include "driftlab/trajectory.h"
-
-static char folder[] = "/tmp/driftlab-initial-XXXXXX";
-
-static int make_folder(void **state) {
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    char command[160];
-    snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
-}
 
 static void assert_near(double value, double expected, double tolerance) {
     if (!(fabs(value - expected) <= tolerance))

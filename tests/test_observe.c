@@ -1,4 +1,5 @@
 /* Observables against states made by hand, the papers' tables, and the command that prints them. */
+#include "fixture_folder.h"
 #include "fixture_runs.h"
 
 #include "fixture_scenes.h"
@@ -601,20 +602,6 @@ static void means_and_errors_over_frames(void **state) {
 }
 
 /* --- the command ------------------------------------------------------------------------------ */
-
-static char folder[] = "/tmp/driftlab-observe-XXXXXX";
-
-static int make_folder(void **state) {
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
-}
 
 static int run_program(const char *arguments, char *out, size_t size) {
     char command[1000];

@@ -1,5 +1,6 @@
 /* Bodies of several sizes: bulk quantities are those that are known, sizes are compared as they
  * should be, exponents of cost are found on both sides, and a study goes on where it was. */
+#include "fixture_folder.h"
 #include "fixture_kinds.h"
 #include "fixture_scenes.h"
 
@@ -9,8 +10,6 @@
 #include "driftlab/study.h"
 #include "report/page_scaling.h"
 #include "study/scaling.h"
-
-static char folder[] = "/tmp/driftlab_scaling_XXXXXX";
 
 static asked scaling_of(const dl_scene *scene, const char *setting) {
     return (asked){.kind = &dl_study_kind_scaling,
@@ -390,18 +389,6 @@ static void settings_are_refused(void **state) {
     refused("bins: 33", "bins");
     refused("agree: 0", "agree");
     refused("sizes: 3", "sizes");
-}
-
-static int make_folder(void **state) {
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
 }
 
 int main(void) {

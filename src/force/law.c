@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 #include "force/law_taper.h"
+#include "force/whole_power.h"
 
 /* --- preparation ------------------------------------------------------------------------------ */
 
@@ -121,19 +122,9 @@ int dl_law_piece(const dl_law *law, double r_squared) {
     return k;
 }
 
-static double whole_power(double x, int n) {
-    double result = n & 1 ? x : 1;
-    for (n >>= 1; n > 0; n >>= 1) {
-        x *= x;
-        if (n & 1)
-            result *= x;
-    }
-    return result;
-}
-
 /* r^(-p - more) of term s. */
 static double power_of(const dl_law *law, int piece, int s, double r, int more) {
-    return law->integer ? whole_power(1 / r, law->whole_power[piece][s] + more)
+    return law->integer ? dl_whole_power(1 / r, law->whole_power[piece][s] + more)
                         : pow(r, -law->power[piece][s] - more);
 }
 

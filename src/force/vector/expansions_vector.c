@@ -1,6 +1,7 @@
 /* The expansions' loops: particles of a cell, or pairs of cells, side by side in the lanes. */
 #include "force/expansion.h"
 #include "force/vector/vector.h"
+#include "force/whole_power.h"
 
 typedef double lanes[DL_LANES];
 
@@ -64,16 +65,6 @@ static void forces(const dl_expansion *form, const dl_cell_particles *p, const d
 
 /* --- pairs of cells --------------------------------------------------------------------------- */
 
-static double power(double x, int n) {
-    double result = n & 1 ? x : 1;
-    for (n >>= 1; n > 0; n >>= 1) {
-        x *= x;
-        if (n & 1)
-            result *= x;
-    }
-    return result;
-}
-
 /* radial[m] = r^(2m) ((1/r) d/dr)^m V, m = 0 ... order, of a piece that is a sum of powers:
  *     -c r^(1-p), times -(p + 2m - 1) from m to m + 1, for m > 0. */
 static void find_radial(const dl_far_batch *batch, double r, size_t lane, lanes *radial) {
@@ -85,7 +76,9 @@ static void find_radial(const dl_far_batch *batch, double r, size_t lane, lanes 
     for (int s = 0; s < law->terms[piece]; s++) {
         const double c = law->coefficient[piece][s], p = law->power[piece][s];
         const int whole = law->whole_power[piece][s];
-        double term = c * (!law->integer ? pow(r, 1 - p) : whole > 0 ? power(1 / r, whole - 1) : r);
+        double term = c * (!law->integer ? pow(r, 1 - p)
+                           : whole > 0   ? dl_whole_power(1 / r, whole - 1)
+                                         : r);
         radial[0][lane] += p == 1 ? -c * log(r) : term / (p - 1);
         term = -term;
         for (int m = 1; m <= batch->order; m++) {
