@@ -16,7 +16,7 @@ import sys
 
 COLUMNS = re.compile(
     r"^  (?P<method>\S+) +(?P<options>\S.*?) +(?P<status>[a-z-]+) +(?P<cpu>\S+) +(?P<forces>\d+) +"
-    r"(?P<steps>\d+) +(?P<error>\S+?)(?P<refused>!?) +(?P<energy>\S+)$"
+    r"(?P<steps>\d+) +(?P<error>\S+?)(?P<refused>!?) +(?P<energy>\S+)(?: (?: cpu)?(?: forces)?)?$"
 )
 ROUNDOFF = {"error": 2e-12, "energy": 1e-12}
 
@@ -29,9 +29,19 @@ def read(lines):
         if head:
             cases = scenes.setdefault(head[1].split("-", 1)[1], [])
         found = COLUMNS.match(line.rstrip())
-        if found and found["method"] != "method":
+        if found:
             cases.append(case_of(found))
+        elif " ok " in line or " unstable " in line:
+            sys.exit(f"table.py: not understood: {line.rstrip()}")
     return scenes
+
+
+def number(word):
+    """What the study prints of an error: a dash or "horizon" where there is none."""
+    try:
+        return float(word)
+    except ValueError:
+        return math.nan
 
 
 def case_of(found):
@@ -44,8 +54,8 @@ def case_of(found):
         "ok": ok,
         "status": found["status"],
         "forces": int(found["forces"]),
-        "error": float(found["error"]) if ok else math.nan,
-        "energy": float(found["energy"]) if ok else math.nan,
+        "error": number(found["error"]) if ok else math.nan,
+        "energy": number(found["energy"]) if ok else math.nan,
         "refused": found["refused"] == "!",
     }
 
