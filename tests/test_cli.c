@@ -53,6 +53,20 @@ static void expect_text(const char *arguments, const char *words) {
         fail_msg("driftlab %s does not say \"%s\" but:\n%s", arguments, words, o->out);
 }
 
+/* What a method cannot do with a scene is part of the explanation, no failure of it. */
+static void explains_where_a_method_cannot_run(void **state) {
+    (void)state;
+    char path[128];
+    snprintf(path, sizeof path, "%s/tree.yaml", folder);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs("name: t\ndimension: 2\nkernel: tree\nparticles:\n  - {at: [0, 0]}\n  - {at: [1, 0]}\n"
+          "pair_law: [{terms: [{coefficient: -1, power: 2}]}]\ntime: {step: 0.1, end: 1}\n",
+          file);
+    assert_int_equal(fclose(file), 0);
+    expect_text("explain tree.yaml", "conserving not here: ");
+}
+
 static void help_everywhere(void **state) {
     (void)state;
     expect_text("--help", "usage: driftlab COMMAND");
@@ -430,6 +444,7 @@ static void damaged_files_are_told_alike(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(explains_where_a_method_cannot_run),
         cmocka_unit_test(help_everywhere),
         cmocka_unit_test(lists_every_method),
         cmocka_unit_test(bad_input_writes_nothing),

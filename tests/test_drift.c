@@ -495,6 +495,11 @@ static void check_exits_as_documented(void **state) {
                               "0.06283185307179586"),
                      1);
     assert_non_null(strstr(said, "not measurable: kepler"));
+    assert_int_equal(driftlab("check kepler/kepler.yaml --method leapfrog --t-end "
+                              "0.12566370614359172"),
+                     1);
+    assert_non_null(strstr(said, "of 21 samples, too few to tell how it grows"));
+    assert_null(strstr(said, "nan"));
     assert_int_equal(driftlab("check kepler/kepler.yaml --method leapfrog --dt 0.01"), 2);
     assert_non_null(strstr(complained, "a whole number of steps"));
     assert_int_equal(driftlab("check kepler/kepler.yaml --method leapfrog --set levles=1"), 2);
