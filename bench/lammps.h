@@ -312,9 +312,9 @@ static void lammps_read_line(const char *line, lammps_result *result) {
         result->pairs = count;
 }
 
-/* An error it reports is the message where it did not come to a loop time. */
+/* An error that it reports is the message, also where it came to a loop time before. */
 static dl_status lammps_read_output(const char *folder, lammps_result *result, dl_error *error) {
-    char path[PATH_MAX], line[512], trouble[512] = "no loop time in its output";
+    char path[PATH_MAX], line[512], trouble[512] = "";
     snprintf(path, sizeof path, "%s/output", folder);
     FILE *in = fopen(path, "r");
     if (!in)
@@ -325,7 +325,9 @@ static dl_status lammps_read_output(const char *folder, lammps_result *result, d
             snprintf(trouble, sizeof trouble, "%.*s", (int)strcspn(line, "\n"), line);
     }
     fclose(in);
-    return result->seconds > 0 ? DL_OK : dl_fail(error, DL_ERROR, "lmp: %s", trouble);
+    if (result->seconds > 0 && !*trouble)
+        return DL_OK;
+    return dl_fail(error, DL_ERROR, "lmp: %s", *trouble ? trouble : "no loop time in its output");
 }
 
 /* LAMMPS's loop time is by the clock on the wall, and another process may have run meanwhile; its
